@@ -1,0 +1,57 @@
+//! The reference: every triangle is tested.
+
+use crate::{
+    HitCollector, Precision, Ray, TraversalCounter, Traverse, Triangle, TriangleKernel,
+    TriangleMesh, query::test_triangle,
+};
+
+/// Tests every triangle: the structure without structure, which all others are held against.
+///
+/// Cost: `n` triangle tests per ray, 36 bytes per triangle.
+///
+/// ```
+/// use tahko_geometry::{BruteForce, Precision, Ray, RayQuery, TriangleMesh, glam::Vec3};
+///
+/// let mesh = TriangleMesh::new(vec![Vec3::ZERO, Vec3::X, Vec3::Y], vec![[0, 1, 2]])?;
+/// let structure = BruteForce::new(&mesh, Precision::default());
+/// let hit = structure.closest_hit(&Ray::new(Vec3::new(0.25, 0.25, 2.0), Vec3::NEG_Z));
+/// assert_eq!(hit.map(|hit| (hit.t, hit.primitive)), Some((2.0, 0)));
+/// # Ok::<(), tahko_geometry::MeshError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct BruteForce {
+    triangles: Vec<Triangle>,
+    precision: Precision,
+}
+
+impl BruteForce {
+    /// Copies the triangles of a mesh.
+    #[must_use]
+    pub fn new(mesh: &TriangleMesh, precision: Precision) -> Self {
+        Self {
+            triangles: mesh.triangles().collect(),
+            precision,
+        }
+    }
+}
+
+impl Traverse for BruteForce {
+    fn precision(&self) -> Precision {
+        self.precision
+    }
+
+    fn traverse<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+        &self,
+        ray: &Ray,
+        collector: &mut H,
+        counter: &mut C,
+    ) {
+        let kernel = K::new(ray);
+        for (primitive, triangle) in (0..).zip(&self.triangles) {
+            counter.triangle_tests(1);
+            if test_triangle(&kernel, ray.t_min, triangle, primitive, collector).is_break() {
+                return;
+            }
+        }
+    }
+}

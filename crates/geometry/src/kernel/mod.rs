@@ -1,0 +1,81 @@
+//! Ray/triangle kernels: one type per [`Precision`], prepared once per ray.
+//!
+//! Every kernel is a filter in f32 followed by a confirmation in f64 that runs only for the few
+//! triangles that pass. The confirmation gives `t`, `u` and `v`, and it keeps a promise that the
+//! structures rely on:
+//!
+//! > **Reach.** If a kernel accepts a triangle with value `t`, then some point of the triangle lies
+//! > within `REACH * 2^-24 * m` of the point `O + tD` in every coordinate, where `m` is the largest
+//! > coordinate difference between the ray's origin and the triangle's vertices that the kernel computed.
+//!
+//! [`ConservativeRay`](crate::ConservativeRay) widens box and plane tests by that distance. So whatever a
+//! kernel accepts lies in a cell that the traversal visits, and all structures give the answer of brute force.
+
+mod moller_trumbore;
+mod woop;
+
+pub use moller_trumbore::MollerTrumbore;
+pub use woop::Woop;
+
+use crate::{Ray, Triangle};
+
+/// How hits are decided; chosen when a structure is built.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum Precision {
+    /// [`MollerTrumbore`]: a ray that passes an edge within about `2^-22` of its distance to the triangle
+    /// may be lost.
+    Fast,
+    /// [`Woop`]: no ray passes between triangles that share an edge or a vertex.
+    #[default]
+    Watertight,
+}
+
+impl Precision {
+    /// All precisions, from the fastest to the most careful.
+    pub const ALL: [Self; 2] = [Self::Fast, Self::Watertight];
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TriangleHit {
+    /// Parameter along the ray, in lengths of the ray's direction.
+    pub t: f32,
+    /// Weight of the second vertex, in `[0, 1]`.
+    pub u: f32,
+    /// Weight of the third vertex, in `[0, 1 - u]`; the first vertex has the weight `1 - u - v`.
+    pub v: f32,
+}
+
+impl TriangleHit {
+    /// Rounds a hit to f32, keeping `u` and `v` inside the triangle; `None` if `t`, rounded, is outside
+    /// `[t_min, t_max]` or NaN.
+    ///
+    /// Rounding comes before the comparison, so that the order in which triangles are tested, with
+    /// `t_max` shrinking to the best `t` so far, cannot change the answer.
+    fn rounded(t: f64, u: f64, v: f64, t_min: f32, t_max: f32) -> Option<Self> {
+        #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
+        let [t, u, v] = [t, u, v].map(|value| value as f32);
+        let u = u.clamp(0.0, 1.0);
+        let v = v.clamp(0.0, 1.0 - u);
+        (t_min <= t && t <= t_max).then_some(Self { t, u, v })
+    }
+}
+
+/// A ray prepared for testing many triangles at one precision.
+///
+/// The verdict on a triangle depends on the ray and on the triangle alone, so every structure that
+/// tests the same triangles gives the same bits.
+pub trait TriangleKernel: Copy {
+    /// The constant of the promise in the module's documentation, in units of `2^-24`.
+    const REACH: f32;
+
+    /// Prepares a valid ray.
+    fn new(ray: &Ray) -> Self;
+
+    /// The hit of a triangle with `t`, rounded to f32, in `[t_min, t_max]`.
+    fn intersect(&self, triangle: &Triangle, t_min: f32, t_max: f32) -> Option<TriangleHit>;
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,135 @@
+use proptest::prelude::*;
+
+use super::*;
+use crate::{glam::Vec3, test_support};
+
+fn hit<K: TriangleKernel>(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit> {
+    K::new(ray).intersect(triangle, ray.t_min, ray.t_max)
+}
+
+fn unit_triangle() -> Triangle {
+    Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)
+}
+
+/// Runs a check with both kernels.
+fn for_both(check: impl Fn(fn(&Ray, &Triangle) -> Option<TriangleHit>)) {
+    check(hit::<MollerTrumbore>);
+    check(hit::<Woop>);
+}
+
+#[test]
+fn t_counts_in_lengths_of_the_direction_and_u_v_weigh_the_vertices() {
+    for_both(|hit| {
+        for scale in [1e-10, 1.0, 1e10] {
+            let ray = Ray::new(Vec3::new(0.25, 0.5, 2.0), Vec3::NEG_Z * scale);
+            let hit = hit(&ray, &unit_triangle()).expect("inside");
+            assert_eq!((hit.u, hit.v), (0.25, 0.5));
+            assert_eq!(hit.t, 2.0 / scale);
+        }
+    });
+}
+
+#[test]
+fn both_sides_of_a_triangle_are_hit() {
+    for_both(|hit| {
+        for direction in [Vec3::Z, Vec3::NEG_Z] {
+            let ray = Ray::new(Vec3::new(0.25, 0.25, 0.0) - direction, direction);
+            assert_eq!(hit(&ray, &unit_triangle()).map(|hit| hit.t), Some(1.0));
+        }
+    });
+}
+
+#[test]
+fn the_interval_is_closed_at_both_ends() {
+    for_both(|hit| {
+        let at = |t_min, t_max| {
+            let origin = Vec3::new(0.25, 0.25, 1.0);
+            hit(
+                &Ray::with_interval(origin, Vec3::NEG_Z, t_min, t_max),
+                &unit_triangle(),
+            )
+        };
+        assert!(at(1.0, 1.0).is_some(), "t_min = t_max = t");
+        assert!(at(-5.0, 1.0).is_some(), "t_max = t");
+        assert!(at(0.0, 1.0f32.next_down()).is_none(), "t_max just below t");
+        assert!(at(1.0f32.next_up(), 2.0).is_none(), "t_min just above t");
+    });
+}
+
+#[test]
+fn rays_in_the_plane_and_flat_triangles_do_not_hit() {
+    for_both(|hit| {
+        let in_plane = Ray::new(Vec3::new(-1.0, 0.25, 0.0), Vec3::X);
+        assert_eq!(hit(&in_plane, &unit_triangle()), None);
+        let flat = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::X * 2.0);
+        let point = Triangle::new(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
+        for triangle in [flat, point] {
+            assert_eq!(hit(&Ray::new(Vec3::Z, Vec3::NEG_Z), &triangle), None);
+            assert_eq!(
+                hit(&Ray::new(Vec3::new(1.0, 0.0, 1.0), Vec3::NEG_Z), &triangle),
+                None
+            );
+        }
+    });
+}
+
+#[test]
+fn overflowing_coordinates_are_misses_or_hits_but_never_nan() {
+    for_both(|hit| {
+        let huge = Triangle::new(Vec3::splat(-3e38), Vec3::X * 3e38, Vec3::Y * 3e38);
+        for direction in [Vec3::X, Vec3::ONE, Vec3::splat(1e38), Vec3::splat(1e-45)] {
+            if let Some(hit) = hit(&Ray::new(Vec3::splat(-1.0), direction), &huge) {
+                assert!(
+                    hit.t.is_finite() && hit.u.is_finite() && hit.v.is_finite(),
+                    "{hit:?}"
+                );
+            }
+        }
+    });
+}
+
+proptest! {
+    /// The theorem of the watertight kernel: of two triangles that share an edge, with their other corners on
+    /// either side of it as seen along the ray, at least one is hit.
+    #[test]
+    fn no_ray_passes_between_neighbours(
+        [a, b, c, d] in prop::array::uniform4(test_support::point(1.0)),
+        along in 0.0f32..1.0,
+        origin in test_support::point(4.0),
+    ) {
+        let ray = Ray::with_interval(origin, a.lerp(b, along) - origin, f32::NEG_INFINITY, f32::INFINITY);
+        // Seen along the ray, the quadrilateral a, c, b, d surrounds the point aimed at.
+        let side = |p: Vec3| {
+            let [e, w] = [b - a, p - a].map(Vec3::as_dvec3);
+            ray.direction.as_dvec3().dot(e.cross(w))
+        };
+        prop_assume!(ray.is_valid() && side(c) * side(d) < 0.0 && side(c).abs().min(side(d).abs()) > 1e-3);
+        prop_assume!((0.01..0.99).contains(&along));
+        let hits = [Triangle::new(a, b, c), Triangle::new(b, a, d)]
+            .map(|triangle| hit::<Woop>(&ray, &triangle).is_some());
+        prop_assert!(hits[0] || hits[1]);
+    }
+
+    /// Clear hits and misses are the same for both kernels, and t agrees to a few ulp.
+    #[test]
+    fn kernels_agree_away_from_edges(
+        [a, b, c] in prop::array::uniform3(test_support::point(1.0)),
+        origin in test_support::point(3.0),
+        weights in (-1.0f32..2.0, -1.0f32..2.0),
+    ) {
+        let (u, v) = weights;
+        let margin = [u, v, 1.0 - u - v].map(f32::abs).into_iter().fold(1.0, f32::min);
+        let triangle = Triangle::new(a, b, c);
+        let target = a + u * (b - a) + v * (c - a);
+        let ray = Ray::new(origin, target - origin);
+        let slant = triangle.scaled_normal().dot(ray.direction.as_dvec3()).abs();
+        prop_assume!(ray.is_valid() && margin > 0.01 && slant > 0.01);
+        let [fast, watertight] = [hit::<MollerTrumbore>(&ray, &triangle), hit::<Woop>(&ray, &triangle)];
+        let expected = u > 0.0 && v > 0.0 && u + v < 1.0;
+        prop_assert_eq!((fast.is_some(), watertight.is_some()), (expected, expected));
+        if let (Some(fast), Some(watertight)) = (fast, watertight) {
+            prop_assert!((fast.t - watertight.t).abs() <= 1e-4, "{} {}", fast.t, watertight.t);
+            prop_assert!((fast.u - u).abs() < 1e-3 && (fast.v - v).abs() < 1e-3);
+        }
+    }
+}
