@@ -1,8 +1,8 @@
 //! The reference: every triangle is tested.
 
 use crate::{
-    HitCollector, Precision, Ray, TraversalCounter, Traverse, Triangle, TriangleKernel,
-    TriangleMesh, query::test_triangle,
+    HitCollector, Precision, Ray, TraversalCounter, Traverse, TreeStatistics, Triangle,
+    TriangleKernel, TriangleMesh, query::test_triangle,
 };
 
 /// Tests every triangle: the structure without structure, which all others are held against.
@@ -31,6 +31,19 @@ impl BruteForce {
         Self {
             triangles: mesh.triangles().collect(),
             precision,
+        }
+    }
+
+    /// One list, no nodes; a ray costs one test per triangle.
+    #[must_use]
+    pub fn statistics(&self) -> TreeStatistics {
+        let count = self.triangles.len();
+        TreeStatistics {
+            primitives: count,
+            references: count,
+            bytes: size_of_val(self.triangles.as_slice()),
+            sah_cost: count as f64,
+            ..TreeStatistics::default()
         }
     }
 }

@@ -6,5 +6,12 @@
 //! structure and every number of threads.
 #![forbid(unsafe_code)]
 
+pub mod accelerator;
+pub mod film;
 pub mod load;
+mod output;
+pub mod render;
 pub mod scene;
+
+pub use output::write_atomically;
+pub use tahko_geometry as geometry;

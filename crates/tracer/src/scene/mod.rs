@@ -11,7 +11,7 @@ mod material;
 pub use builder::{MaterialId, MeshPart, SceneBuilder, SceneError, TextureId};
 pub use camera::{Camera, CameraError, FieldOfView, Projection};
 pub use light::{Illumination, Light};
-pub use material::{Material, Texture, TextureError, Wrap};
+pub use material::{Material, Texture, TextureError, Wrap, srgb_to_linear};
 
 use std::ops::Range;
 

@@ -1,0 +1,107 @@
+//! The structures behind one type, for programs that let their user choose.
+
+use std::fmt;
+use std::time::{Duration, Instant};
+
+use tahko_geometry::{BruteForce, Precision, RayQuery, TreeStatistics, TriangleMesh};
+use thiserror::Error;
+
+/// The structures to choose from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum StructureKind {
+    /// Every triangle is tested.
+    Brute,
+    /// A BSP tree.
+    Bsp,
+    /// A kd-tree.
+    KdTree,
+    /// A bounding volume hierarchy.
+    #[default]
+    Bvh,
+}
+
+impl StructureKind {
+    /// All structures.
+    pub const ALL: [Self; 4] = [Self::Brute, Self::Bsp, Self::KdTree, Self::Bvh];
+
+    /// The name on the command line: `brute`, `bsp`, `kdtree` or `bvh`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Brute => "brute",
+            Self::Bsp => "bsp",
+            Self::KdTree => "kdtree",
+            Self::Bvh => "bvh",
+        }
+    }
+}
+
+/// A structure over the triangles of a mesh, built with its default options.
+pub struct Accelerator {
+    query: Box<dyn RayQuery + Send>,
+    statistics: TreeStatistics,
+    build_time: Duration,
+}
+
+/// Why a structure could not be built.
+#[derive(Debug, Error)]
+#[error("cannot build the {}: {source}", kind.name())]
+pub struct AcceleratorError {
+    kind: StructureKind,
+    source: Box<dyn std::error::Error + Send + Sync>,
+}
+
+impl Accelerator {
+    /// Builds a structure with the current thread pool of rayon.
+    ///
+    /// # Errors
+    /// If the structure refuses the mesh.
+    pub fn build(
+        kind: StructureKind,
+        precision: Precision,
+        mesh: &TriangleMesh,
+    ) -> Result<Self, AcceleratorError> {
+        let start = Instant::now();
+        let (query, statistics): (Box<dyn RayQuery + Send>, _) = match kind {
+            StructureKind::Brute => {
+                let structure = BruteForce::new(mesh, precision);
+                let statistics = structure.statistics();
+                (Box::new(structure), statistics)
+            }
+            _ => unreachable!("to come"),
+        };
+        Ok(Self {
+            query,
+            statistics,
+            build_time: start.elapsed(),
+        })
+    }
+
+    /// The structure, to ask.
+    #[must_use]
+    pub fn query(&self) -> &dyn RayQuery {
+        &*self.query
+    }
+
+    /// What the structure looks like.
+    #[must_use]
+    pub const fn statistics(&self) -> TreeStatistics {
+        self.statistics
+    }
+
+    /// How long the build took.
+    #[must_use]
+    pub const fn build_time(&self) -> Duration {
+        self.build_time
+    }
+}
+
+impl fmt::Debug for Accelerator {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter
+            .debug_struct("Accelerator")
+            .field("statistics", &self.statistics)
+            .field("build_time", &self.build_time)
+            .finish_non_exhaustive()
+    }
+}
