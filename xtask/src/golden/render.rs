@@ -1,0 +1,168 @@
+//! Rendering a scene in all ways that must agree.
+
+use std::fmt::{self, Display};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+use anyhow::Context;
+
+use super::scenes::Scene;
+use crate::workspace::Workspace;
+
+const STRUCTURES: [&str; 4] = ["brute", "bsp", "kdtree", "bvh"];
+const WIDTH: &str = "160";
+const HEIGHT: &str = "120";
+/// It contains the other integrator, `direct`.
+const INTEGRATOR: &str = "whitted";
+
+/// How exactly a ray meets a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Precision {
+    Fast,
+    Watertight,
+}
+
+/// One way to render a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Case {
+    pub(super) structure: &'static str,
+    pub(super) precision: Precision,
+    pub(super) threads: usize,
+}
+
+/// What came of it.
+#[derive(Debug)]
+pub(super) struct Rendered {
+    pub(super) case: Case,
+    pub(super) file: PathBuf,
+    /// The bytes of the PNG file, or why there is none.
+    pub(super) png: Result<Vec<u8>, String>,
+}
+
+/// The built `tahko` program.
+#[derive(Debug)]
+pub(super) struct Program {
+    path: PathBuf,
+}
+
+impl Precision {
+    pub(super) const ALL: [Self; 2] = [Self::Fast, Self::Watertight];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Watertight => "watertight",
+        }
+    }
+}
+
+impl Case {
+    /// Every structure at every precision on one thread and on `all_threads`. The first of a precision is brute force
+    /// on one thread: the reference for the others.
+    pub(super) fn all(all_threads: usize) -> Vec<Self> {
+        let mut cases = Vec::new();
+        for precision in Precision::ALL {
+            for structure in STRUCTURES {
+                cases.extend([1, all_threads].map(|threads| Self {
+                    structure,
+                    precision,
+                    threads,
+                }));
+            }
+        }
+        cases
+    }
+
+    /// The name of its files, without ending.
+    pub(super) fn file_name(&self) -> String {
+        let (structure, precision) = (self.structure, self.precision.name());
+        format!("{precision}-{structure}-{}", self.threads)
+    }
+}
+
+impl Display for Case {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (structure, precision) = (self.structure, self.precision.name());
+        write!(
+            formatter,
+            "{structure} {precision} on {} threads",
+            self.threads
+        )
+    }
+}
+
+impl Program {
+    pub(super) fn build(workspace: &Workspace) -> anyhow::Result<Self> {
+        let path = workspace.build_program("tahko-cli", "tahko");
+        path.map(|path| Self { path })
+            .context("building the program that renders")
+    }
+
+    /// Renders into a file of the folder.
+    pub(super) fn render(
+        &self,
+        workspace: &Workspace,
+        scene: &Scene,
+        case: &Case,
+        folder: &Path,
+    ) -> Rendered {
+        let file = folder.join(format!("{}.png", case.file_name()));
+        let mut command = Command::new(&self.path);
+        command
+            .current_dir(&workspace.root)
+            .stdin(Stdio::null())
+            .args(["render", &scene.file, "-o"])
+            .arg(&file)
+            .args(["--accel", case.structure])
+            .args(["--precision", case.precision.name()])
+            .args(["--width", WIDTH, "--height", HEIGHT])
+            .args(["--threads", &case.threads.to_string()])
+            .args(["--integrator", INTEGRATOR]);
+        let png = succeed(&mut command).and_then(|()| {
+            fs::read(&file).map_err(|error| format!("wrote no picture {}: {error}", file.display()))
+        });
+        Rendered {
+            case: *case,
+            file,
+            png,
+        }
+    }
+}
+
+/// Runs a command; if it fails, gives its messages.
+fn succeed(command: &mut Command) -> Result<(), String> {
+    let output = command
+        .output()
+        .map_err(|error| format!("cannot start {:?}: {error}", command.get_program()))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let messages = String::from_utf8_lossy(&output.stderr);
+    let messages = messages.trim();
+    Err(format!("ended with {}: {messages}", output.status))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cases_are_all_combinations_and_files_do_not_collide() {
+        let cases = Case::all(8);
+        assert_eq!(cases.len(), 16);
+        let mut names: Vec<String> = cases.iter().map(Case::file_name).collect();
+        names.sort();
+        names.dedup();
+        assert_eq!(names.len(), 16);
+        assert_eq!(names[0], "fast-brute-1");
+    }
+
+    #[test]
+    fn a_failing_program_is_reported_with_its_messages() {
+        let messages = succeed(Command::new("cargo").arg("no-such-command")).unwrap_err();
+        assert!(messages.contains("no-such-command"), "{messages}");
+        let absent = succeed(&mut Command::new("no-such-program")).unwrap_err();
+        assert!(absent.contains("cannot start"), "{absent}");
+    }
+}
