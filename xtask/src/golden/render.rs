@@ -7,6 +7,7 @@ use std::process::{Command, Stdio};
 
 use anyhow::Context;
 
+use super::compare;
 use super::scenes::Scene;
 use crate::workspace::Workspace;
 
@@ -84,11 +85,8 @@ impl Case {
 impl Display for Case {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         let (structure, precision) = (self.structure, self.precision.name());
-        write!(
-            formatter,
-            "{structure} {precision} on {} threads",
-            self.threads
-        )
+        let threads = self.threads;
+        write!(formatter, "{structure} {precision} (--threads {threads})")
     }
 }
 
@@ -119,15 +117,20 @@ impl Program {
             .args(["--width", WIDTH, "--height", HEIGHT])
             .args(["--threads", &case.threads.to_string()])
             .args(["--integrator", INTEGRATOR]);
-        let png = succeed(&mut command).and_then(|()| {
-            fs::read(&file).map_err(|error| format!("wrote no picture {}: {error}", file.display()))
-        });
+        let png = succeed(&mut command).and_then(|()| read_picture(&file));
         Rendered {
             case: *case,
             file,
             png,
         }
     }
+}
+
+fn read_picture(file: &Path) -> Result<Vec<u8>, String> {
+    let png =
+        fs::read(file).map_err(|error| format!("wrote no picture {}: {error}", file.display()))?;
+    compare::decode(&png).map_err(|error| format!("{}: {error:#}", file.display()))?;
+    Ok(png)
 }
 
 /// Runs a command; if it fails, gives its messages.
@@ -156,6 +159,14 @@ mod tests {
         names.dedup();
         assert_eq!(names.len(), 16);
         assert_eq!(names[0], "fast-brute-1");
+    }
+
+    #[test]
+    fn a_file_that_is_not_a_picture_is_refused_with_its_name() {
+        let error = read_picture(Path::new("Cargo.toml")).unwrap_err();
+        assert!(error.starts_with("Cargo.toml: not a PNG"), "{error}");
+        let error = read_picture(Path::new("no-such.png")).unwrap_err();
+        assert!(error.contains("wrote no picture no-such.png"), "{error}");
     }
 
     #[test]

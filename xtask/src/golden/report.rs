@@ -57,12 +57,25 @@ pub(super) fn check(
     folder: &Path,
 ) -> anyhow::Result<Report> {
     let mut problems = disagreements(rendered, folder)?;
-    let Some(golden) = golden else {
-        let message = "there is no golden image; look at the picture and accept it with --bless";
-        problems.push(Problem::new(message.to_owned()));
-        return Ok(Report::failed(problems));
+    let expected = match golden.map(compare::decode) {
+        Some(Ok(expected)) => expected,
+        Some(Err(error)) => {
+            problems.push(Problem::new(format!("the golden image: {error:#}")));
+            return Ok(Report::failed(problems));
+        }
+        None => {
+            let message = "there is no golden image; look at the picture, accept it with --bless";
+            let picture = reference(rendered, Precision::Watertight);
+            problems.push(Problem {
+                message: message.to_owned(),
+                pictures: picture
+                    .map(|(picture, _)| picture.file.clone())
+                    .into_iter()
+                    .collect(),
+            });
+            return Ok(Report::failed(problems));
+        }
     };
-    let expected = compare::decode(golden).context("reading the golden image")?;
     let mut verdict = "equal to the golden image".to_owned();
     for precision in Precision::ALL {
         let Some((reference, png)) = reference(rendered, precision) else {
@@ -85,7 +98,7 @@ pub(super) fn check(
                 message,
                 pictures: vec![reference.file.clone(), marks],
             });
-        } else if precision == Precision::Watertight && golden != png {
+        } else if precision == Precision::Watertight && golden != Some(png) {
             verdict = format!("within tolerance: {difference}");
         }
     }
@@ -234,7 +247,7 @@ mod tests {
         assert_eq!(
             messages(&report),
             [
-                "kdtree fast on 4 threads and brute fast on 1 threads differ: \
+                "kdtree fast (--threads 4) and brute fast (--threads 1) differ: \
                  1 pixels differ, 1 by more than 2, at most by 191"
             ]
         );
@@ -265,6 +278,9 @@ mod tests {
         });
         let report = check(&pictures, None, &folder).unwrap();
         assert_eq!(report.problems.len(), 5, "{report:?}");
+        let broken = check(&all(|_| Ok(png(0))), Some(b"no picture"), &folder).unwrap();
+        let message = "the golden image: not a PNG picture";
+        assert!(messages(&broken)[0].starts_with(message), "{broken:?}");
         fs::remove_dir_all(folder).unwrap();
     }
 
