@@ -56,9 +56,13 @@ impl TriangleHit {
     fn rounded(t: f64, u: f64, v: f64, t_min: f32, t_max: f32) -> Option<Self> {
         #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
         let [t, u, v] = [t, u, v].map(|value| value as f32);
+        // Coordinates that overflow make t NaN, and perhaps u and v too: no hit.
+        if !(t_min <= t && t <= t_max) {
+            return None;
+        }
         let u = u.clamp(0.0, 1.0);
         let v = v.clamp(0.0, 1.0 - u);
-        (t_min <= t && t <= t_max).then_some(Self { t, u, v })
+        Some(Self { t, u, v })
     }
 }
 

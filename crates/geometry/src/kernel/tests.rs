@@ -18,6 +18,22 @@ fn for_both(check: impl Fn(fn(&Ray, &Triangle) -> Option<TriangleHit>)) {
 }
 
 #[test]
+fn degenerate_triangles_and_coordinates_that_overflow_give_no_nan_and_no_panic() {
+    for (name, mesh) in test_support::degenerate_meshes() {
+        let rays = test_support::rays_at_features(&mesh);
+        for ray in rays.iter().filter(|ray| ray.is_valid()) {
+            for triangle in mesh.triangles() {
+                for_both(|hit| {
+                    let hit = hit(ray, &triangle);
+                    let is_inside = |hit: TriangleHit| hit.u >= 0.0 && hit.u + hit.v <= 1.0;
+                    assert!(hit.is_none_or(is_inside), "{name}, {ray:?}: {hit:?}");
+                });
+            }
+        }
+    }
+}
+
+#[test]
 fn t_counts_in_lengths_of_the_direction_and_u_v_weigh_the_vertices() {
     for_both(|hit| {
         for scale in [1e-10, 1.0, 1e10] {
