@@ -1,0 +1,199 @@
+//! What the builders move and measure: references to triangles, their boxes and centroids.
+
+use tahko_geometry::{
+    Aabb, Triangle, TriangleMesh,
+    glam::{Vec3, Vec4, Vec4Swizzles},
+};
+
+/// The fourth lane of a reference holds the triangle's number under this bit, which makes it a normal
+/// f32: arithmetic on denormal lanes would be slow, even where nobody reads the result.
+const NUMBER_TAG: u32 = 1 << 30;
+const _: () = assert!(
+    TriangleMesh::MAX_TRIANGLES <= NUMBER_TAG as usize / 2,
+    "a number with the tag must not be NaN or infinite"
+);
+
+/// A triangle's box and number, 32 bytes that move as two vectors.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reference {
+    lower: Vec4,
+    upper: Vec4,
+}
+
+impl Reference {
+    pub(super) fn new(triangle: &Triangle, number: u32) -> Self {
+        let Aabb { min, max } = triangle.aabb();
+        Self {
+            lower: min.extend(f32::from_bits(number | NUMBER_TAG)),
+            upper: max.extend(0.0),
+        }
+    }
+
+    /// The triangle's index in the mesh.
+    pub(crate) fn number(&self) -> u32 {
+        self.lower.w.to_bits() & !NUMBER_TAG
+    }
+}
+
+/// A box whose fourth lane means nothing.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    lower: Vec4,
+    upper: Vec4,
+}
+
+impl Bounds {
+    pub(super) const EMPTY: Self = Self {
+        lower: Vec4::INFINITY,
+        upper: Vec4::NEG_INFINITY,
+    };
+
+    #[inline]
+    pub(super) fn add(&mut self, reference: &Reference) {
+        self.lower = self.lower.min(reference.lower);
+        self.upper = self.upper.max(reference.upper);
+    }
+
+    #[inline]
+    fn add_point(&mut self, point: Vec4) {
+        self.lower = self.lower.min(point);
+        self.upper = self.upper.max(point);
+    }
+
+    #[inline]
+    pub(super) fn union(self, other: Self) -> Self {
+        Self {
+            lower: self.lower.min(other.lower),
+            upper: self.upper.max(other.upper),
+        }
+    }
+
+    pub(super) fn lower(&self) -> Vec4 {
+        self.lower
+    }
+
+    /// Edge lengths of a box that is not empty.
+    pub(super) fn extent(&self) -> Vec3 {
+        (self.upper - self.lower).xyz()
+    }
+
+    /// Half of the surface area of a box that is not empty, in f64, where it neither over- nor underflows.
+    #[inline]
+    pub(super) fn half_area(&self) -> f64 {
+        let extent = self.upper.xyz().as_dvec3() - self.lower.xyz().as_dvec3();
+        extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
+    }
+
+    pub(super) fn to_aabb(self) -> Aabb {
+        Aabb::new(self.lower.xyz(), self.upper.xyz())
+    }
+}
+
+/// The power of two that brings the coordinates of a mesh to the order of one before centroids are taken.
+///
+/// Then sums of two coordinates cannot overflow (not at 3e38), and differences between centroids keep
+/// their digits (not only at 1e-39, where they would have none to lose).
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CentroidScale(f32);
+
+impl CentroidScale {
+    pub(super) fn new(bounds: &Aabb) -> Self {
+        let largest = bounds.min.abs().max(bounds.max.abs()).max_element();
+        let exponent = largest.to_bits() >> 23;
+        let opposite = 254u32.saturating_sub(exponent).max(1);
+        Self(f32::from_bits(opposite << 23))
+    }
+
+    /// Twice the centre of a reference's box, scaled. Rounded, and the same for the same reference: it steers
+    /// the build and decides nothing else.
+    #[inline]
+    pub(super) fn centroid(self, reference: &Reference) -> Vec4 {
+        reference.lower * self.0 + reference.upper * self.0
+    }
+}
+
+/// The box of some references and the box of their centroids.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extent {
+    pub(super) bounds: Bounds,
+    pub(super) centroids: Bounds,
+}
+
+impl Extent {
+    pub(super) const EMPTY: Self = Self {
+        bounds: Bounds::EMPTY,
+        centroids: Bounds::EMPTY,
+    };
+
+    pub(super) fn new(references: &[Reference], scale: CentroidScale) -> Self {
+        let mut extent = Self::EMPTY;
+        for reference in references {
+            extent.add(reference, scale);
+        }
+        extent
+    }
+
+    #[inline]
+    pub(super) fn add(&mut self, reference: &Reference, scale: CentroidScale) {
+        self.bounds.add(reference);
+        self.centroids.add_point(scale.centroid(reference));
+    }
+
+    pub(super) fn union(self, other: Self) -> Self {
+        Self {
+            bounds: self.bounds.union(other.bounds),
+            centroids: self.centroids.union(other.centroids),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn triangle(size: f32) -> Triangle {
+        Triangle::new(
+            Vec3::splat(-size),
+            Vec3::X * size,
+            Vec3::new(0.0, size, size),
+        )
+    }
+
+    #[test]
+    fn a_reference_keeps_its_number_and_its_box() {
+        for number in [0, 1, 12_345, (1 << 29) - 1] {
+            let reference = Reference::new(&triangle(2.0), number);
+            assert_eq!(reference.number(), number);
+            let mut bounds = Bounds::EMPTY;
+            bounds.add(&reference);
+            assert_eq!(bounds.to_aabb(), triangle(2.0).aabb());
+        }
+    }
+
+    #[test]
+    fn centroids_of_any_size_are_finite_and_differ() {
+        for size in [f32::MAX, 3.0e38, 1.0, 1e-30, 1e-39, 1e-44] {
+            let scale = CentroidScale::new(&triangle(size).aabb());
+            let at = |offset: f32| {
+                let corner = Vec3::splat(offset);
+                scale.centroid(&Reference::new(&Triangle::new(corner, corner, corner), 0))
+            };
+            let extent = (at(size) - at(-size)).xyz();
+            assert!(extent.is_finite(), "{size}: {extent}");
+            assert!(extent.min_element() > 1e-10, "{size}: {extent}");
+        }
+    }
+
+    #[test]
+    fn areas_of_any_size_neither_overflow_nor_underflow() {
+        for size in [f32::MAX, 1.0, 1e-44] {
+            let extent = Extent::new(
+                &[Reference::new(&triangle(size), 0)],
+                CentroidScale::new(&triangle(size).aabb()),
+            );
+            let expected = 12.0 * f64::from(size).powi(2);
+            let area = extent.bounds.half_area();
+            assert!((area / expected - 1.0).abs() < 1e-6, "{size}: {area}");
+        }
+    }
+}

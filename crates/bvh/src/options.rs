@@ -1,0 +1,171 @@
+//! Build options.
+
+use tahko_geometry::Precision;
+use thiserror::Error;
+
+/// How a [`Bvh`](crate::Bvh) is built: start from a preset and change what matters.
+///
+/// ```
+/// use tahko_bvh::BvhOptions;
+/// use tahko_geometry::Precision;
+///
+/// let options = BvhOptions::fast().with_precision(Precision::Fast).with_max_leaf_size(8);
+/// assert_eq!(options.bins, BvhOptions::fast().bins);
+/// assert_eq!(options.max_leaf_size, 8);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct BvhOptions {
+    /// How the queries decide hits.
+    pub precision: Precision,
+    /// Bins per axis in which candidate splits are counted, 2 to 64. More bins find cheaper splits;
+    /// the build time grows slowly with them. Nodes of few triangles use fewer.
+    pub bins: usize,
+    /// Nodes of at most this many triangles, 0 to 256, try every split between sorted centroids
+    /// instead of bins: cheaper trees for a longer build.
+    pub sweep_size: usize,
+    /// The most triangles in a leaf, 1 to 255. Leaves are smaller where that is cheaper.
+    pub max_leaf_size: usize,
+    /// Cost of visiting an inner node (two box tests); positive and finite. Only its ratio to
+    /// `intersection_cost` matters: the larger, the fewer nodes.
+    pub traversal_cost: f64,
+    /// Cost of a triangle test; positive and finite.
+    pub intersection_cost: f64,
+}
+
+/// Why a tree was not built.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum BuildError {
+    /// A whole-numbered option is out of its range.
+    #[error("option {option} is {given}, but must be from {least} to {most}")]
+    OutOfRange {
+        /// Name of the field in [`BvhOptions`].
+        option: &'static str,
+        /// Its value.
+        given: usize,
+        /// The smallest value allowed.
+        least: usize,
+        /// The largest value allowed.
+        most: usize,
+    },
+    /// A cost is zero, negative, infinite or NaN.
+    #[error("option {option} is {given}, but must be positive and finite")]
+    InvalidCost {
+        /// Name of the field in [`BvhOptions`].
+        option: &'static str,
+        /// Its value.
+        given: f64,
+    },
+}
+
+impl BvhOptions {
+    /// The largest value of [`bins`](Self::bins).
+    pub const MAX_BINS: usize = 64;
+    /// The largest value of [`sweep_size`](Self::sweep_size).
+    pub const MAX_SWEEP_SIZE: usize = 256;
+    /// The largest value of [`max_leaf_size`](Self::max_leaf_size).
+    pub const MAX_LEAF_SIZE: usize = 255;
+
+    /// The shortest build: 8 bins.
+    #[must_use]
+    pub fn fast() -> Self {
+        Self {
+            bins: 8,
+            ..Self::balanced()
+        }
+    }
+
+    /// The default: 16 bins.
+    #[must_use]
+    pub const fn balanced() -> Self {
+        Self {
+            precision: Precision::Watertight,
+            bins: 16,
+            sweep_size: 0,
+            max_leaf_size: 4,
+            traversal_cost: 1.0,
+            intersection_cost: 1.0,
+        }
+    }
+
+    /// The cheapest tree: 32 bins, and every split is tried in nodes of up to 64 triangles.
+    #[must_use]
+    pub fn high_quality() -> Self {
+        Self {
+            bins: 32,
+            sweep_size: 64,
+            ..Self::balanced()
+        }
+    }
+
+    /// Sets [`precision`](Self::precision).
+    #[must_use]
+    pub const fn with_precision(mut self, precision: Precision) -> Self {
+        self.precision = precision;
+        self
+    }
+
+    /// Sets [`bins`](Self::bins).
+    #[must_use]
+    pub const fn with_bins(mut self, bins: usize) -> Self {
+        self.bins = bins;
+        self
+    }
+
+    /// Sets [`sweep_size`](Self::sweep_size).
+    #[must_use]
+    pub const fn with_sweep_size(mut self, sweep_size: usize) -> Self {
+        self.sweep_size = sweep_size;
+        self
+    }
+
+    /// Sets [`max_leaf_size`](Self::max_leaf_size).
+    #[must_use]
+    pub const fn with_max_leaf_size(mut self, max_leaf_size: usize) -> Self {
+        self.max_leaf_size = max_leaf_size;
+        self
+    }
+
+    /// Sets [`traversal_cost`](Self::traversal_cost) and [`intersection_cost`](Self::intersection_cost).
+    #[must_use]
+    pub const fn with_costs(mut self, traversal_cost: f64, intersection_cost: f64) -> Self {
+        self.traversal_cost = traversal_cost;
+        self.intersection_cost = intersection_cost;
+        self
+    }
+
+    /// Checks every option against its range.
+    pub(crate) fn check(&self) -> Result<(), BuildError> {
+        for (option, given, least, most) in [
+            ("bins", self.bins, 2, Self::MAX_BINS),
+            ("sweep_size", self.sweep_size, 0, Self::MAX_SWEEP_SIZE),
+            ("max_leaf_size", self.max_leaf_size, 1, Self::MAX_LEAF_SIZE),
+        ] {
+            if !(least..=most).contains(&given) {
+                return Err(BuildError::OutOfRange {
+                    option,
+                    given,
+                    least,
+                    most,
+                });
+            }
+        }
+        for (option, given) in [
+            ("traversal_cost", self.traversal_cost),
+            ("intersection_cost", self.intersection_cost),
+        ] {
+            if !(given > 0.0 && given.is_finite()) {
+                return Err(BuildError::InvalidCost { option, given });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Default for BvhOptions {
+    /// [`BvhOptions::balanced`].
+    fn default() -> Self {
+        Self::balanced()
+    }
+}

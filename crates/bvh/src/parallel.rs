@@ -1,0 +1,63 @@
+//! The only place that knows of threads. Nothing here lets their number reach a result.
+
+/// Runs two tasks, at the same time where the `parallel` feature is on.
+#[cfg(feature = "parallel")]
+fn join<A: Send, B: Send>(
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    rayon::join(first, second)
+}
+
+/// Runs two tasks, one after the other without the `parallel` feature.
+#[cfg(not(feature = "parallel"))]
+fn join<A, B>(first: impl FnOnce() -> A, second: impl FnOnce() -> B) -> (A, B) {
+    (first(), second())
+}
+
+/// The values of a function for `0..count`, in order.
+#[cfg(feature = "parallel")]
+pub(crate) fn collect<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    use rayon::prelude::*;
+    (0..count)
+        .into_par_iter()
+        .with_min_len(CHUNK)
+        .map(value)
+        .collect()
+}
+
+/// The values of a function for `0..count`, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn collect<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
+    (0..count).map(value).collect()
+}
+
+/// Runs two tasks, at the same time if they are `large` enough to be worth it.
+pub(crate) fn join_if<A: Send, B: Send>(
+    large: bool,
+    first: impl FnOnce() -> A + Send,
+    second: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if large {
+        join(first, second)
+    } else {
+        (first(), second())
+    }
+}
+
+/// Items that one task works on in [`reduce`] and [`collect`]: some 50 microseconds of work.
+const CHUNK: usize = 1 << 14;
+
+/// Maps chunks of a slice and merges the results pairwise, in an order that depends on the length alone.
+pub(crate) fn reduce<T: Sync, R: Send>(
+    items: &[T],
+    map: &(impl Fn(&[T]) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    if items.len() <= CHUNK {
+        return map(items);
+    }
+    let (front, back) = items.split_at(items.len() / 2);
+    let (front, back) = join(|| reduce(front, map, merge), || reduce(back, map, merge));
+    merge(front, back)
+}

@@ -1,0 +1,124 @@
+//! The traversal, nearer child first.
+//!
+//! A node is culled by [`ConservativeRay::clip`] only, which is wide enough for every hit that a kernel accepts,
+//! and skipped later only if it begins beyond the best hit: at the same `t` it may still hold a triangle with
+//! a smaller number. So the answer is that of testing every triangle.
+
+use tahko_geometry::{
+    ConservativeRay, HitCollector, Interval, Precision, Ray, TraversalCounter, Traverse,
+    TriangleKernel, test_triangle,
+};
+
+use crate::Bvh;
+use crate::build::MAX_DEPTH;
+use crate::layout::Bvh2;
+use crate::node::{Node, Siblings};
+
+impl Traverse for Bvh {
+    fn precision(&self) -> Precision {
+        self.options().precision
+    }
+
+    fn traverse<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+        &self,
+        ray: &Ray,
+        collector: &mut H,
+        counter: &mut C,
+    ) {
+        self.layout().traverse::<K, H, C>(ray, collector, counter);
+    }
+}
+
+/// A node that waits while its nearer sibling is visited.
+#[derive(Clone, Copy)]
+struct Waiting<'a> {
+    node: &'a Node,
+    /// Where the ray enters it, or before.
+    start: f32,
+}
+
+impl Bvh2 {
+    fn traverse<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+        &self,
+        ray: &Ray,
+        collector: &mut H,
+        counter: &mut C,
+    ) {
+        let Some(root) = &self.root else {
+            return;
+        };
+        let kernel = K::new(ray);
+        let conservative = ConservativeRay::new(ray, &root.bounds(), K::REACH);
+        let clip = |node: &Node, t_max: f32| {
+            let interval = Interval {
+                start: ray.t_min,
+                end: t_max,
+            };
+            let clipped = conservative.clip(&node.bounds(), interval);
+            clipped.map(|interval| interval.start)
+        };
+        counter.bound_tests(1);
+        if clip(root, collector.t_max()).is_none() {
+            return;
+        }
+        // Each node on the way down leaves at most one sibling behind, so the stack cannot overflow.
+        let mut stack = [Waiting {
+            node: root,
+            start: 0.0,
+        }; MAX_DEPTH];
+        let mut waiting = 0;
+        let mut node = root;
+        loop {
+            counter.node_visit();
+            if node.is_leaf() {
+                let triangles = &self.triangles[node.first()..][..node.count()];
+                for leaf in triangles {
+                    counter.triangle_tests(1);
+                    let (triangle, number) = (&leaf.triangle, leaf.number);
+                    if test_triangle(&kernel, ray.t_min, triangle, number, collector).is_break() {
+                        return;
+                    }
+                }
+            } else {
+                let Siblings([first, second]) = &self.siblings[node.first()];
+                counter.bound_tests(2);
+                let t_max = collector.t_max();
+                match (clip(first, t_max), clip(second, t_max)) {
+                    (Some(first_start), Some(second_start)) => {
+                        let (near, far, start) = if first_start <= second_start {
+                            (first, second, second_start)
+                        } else {
+                            (second, first, first_start)
+                        };
+                        stack[waiting] = Waiting { node: far, start };
+                        waiting += 1;
+                        node = near;
+                        continue;
+                    }
+                    (Some(_), None) => {
+                        node = first;
+                        continue;
+                    }
+                    (None, Some(_)) => {
+                        node = second;
+                        continue;
+                    }
+                    (None, None) => {}
+                }
+            }
+            loop {
+                if waiting == 0 {
+                    return;
+                }
+                waiting -= 1;
+                let next = stack[waiting];
+                // Positive comparison: only what certainly begins beyond the best hit is skipped.
+                if next.start > collector.t_max() {
+                    continue;
+                }
+                node = next.node;
+                break;
+            }
+        }
+    }
+}

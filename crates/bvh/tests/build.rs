@@ -1,0 +1,221 @@
+//! Builds: determinism, depth, statistics, options.
+
+use proptest::prelude::*;
+use tahko_bvh::{BuildError, Bvh, BvhOptions};
+use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
+use tahko_geometry::{Precision, TreeStatistics, TriangleMesh, glam::Vec3};
+
+/// Small triangles at places that a linear congruential generator picks: the same on every machine.
+fn scattered(count: usize) -> TriangleMesh {
+    let mut state = 1u32;
+    let mut random = move || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f32::from((state >> 16) as u16) / 65536.0
+    };
+    let triangles = (0..count).map(|_| {
+        let mut point = || Vec3::new(random(), random(), random());
+        let corner = point();
+        [corner, corner + 0.02 * point(), corner + 0.02 * point()]
+    });
+    soup(triangles.collect())
+}
+
+fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Bvh {
+    Bvh::build(mesh, options).expect("options in range")
+}
+
+/// Concentric triangles, each `ratio` times as large as the one before.
+fn nested(count: u8, ratio: f32) -> TriangleMesh {
+    let sizes = std::iter::successors(Some(1.0), |size| Some(size * ratio));
+    let triangles = sizes
+        .take(usize::from(count))
+        .map(|size| [Vec3::X, Vec3::Y, Vec3::Z].map(|corner| corner * size));
+    soup(triangles.collect())
+}
+
+#[test]
+fn the_tree_is_the_same_for_every_number_of_threads() {
+    // Enough triangles for subtrees and bins to be shared among tasks.
+    let mesh = scattered(60_000);
+    for options in [
+        BvhOptions::fast(),
+        BvhOptions::balanced(),
+        BvhOptions::high_quality(),
+    ] {
+        let trees = [1, 2, 4].map(|threads| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+            pool.expect("threads can be started")
+                .install(|| build(&mesh, &options))
+        });
+        assert_eq!(trees[0].validate(), Ok(()));
+        assert!(trees[0] == trees[1], "2 threads");
+        assert!(trees[0] == trees[2], "4 threads");
+    }
+}
+
+#[test]
+fn coincident_centroids_give_a_tree_of_logarithmic_depth() {
+    for count in [2, 5, 1000, 20_000] {
+        let mesh = soup(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; count]);
+        let bvh = build(&mesh, &BvhOptions::default().with_max_leaf_size(1));
+        let halvings = count.next_power_of_two().trailing_zeros() as usize;
+        assert_eq!(bvh.depth(), 1 + halvings, "{count} triangles");
+        assert_eq!(bvh.validate(), Ok(()));
+    }
+}
+
+#[test]
+fn nested_triangles_do_not_lead_below_the_greatest_depth() {
+    for options in [BvhOptions::fast(), BvhOptions::high_quality()] {
+        for ratio in [0.5, 0.25] {
+            // Binning 120 halvings would be deeper than 64 if nothing stopped it.
+            let mesh = nested(120, ratio);
+            let bvh = build(&mesh, &options.clone().with_max_leaf_size(1));
+            assert!(bvh.depth() <= 64, "{} levels", bvh.depth());
+            assert_eq!(bvh.validate(), Ok(()));
+        }
+    }
+}
+
+#[test]
+fn coordinates_of_any_size_are_sorted_into_bins() {
+    // The cost of the tree does not depend on the scale, except where denormal numbers have no digits left.
+    let mesh = scattered(2000);
+    let scaled = |factor: f32| {
+        let vertices = mesh
+            .vertices()
+            .iter()
+            .map(|vertex| (*vertex - 0.5) * factor);
+        let mesh = TriangleMesh::new(vertices.collect(), mesh.indices().to_vec());
+        build(&mesh.expect("finite vertices"), &BvhOptions::default()).statistics()
+    };
+    let expected = scaled(1.0);
+    for factor in [
+        2.0f32.powi(-126),
+        2.0f32.powi(-60),
+        2.0f32.powi(60),
+        2.0f32.powi(127),
+    ] {
+        assert_eq!(scaled(factor).nodes, expected.nodes, "{factor}");
+        let ratio = scaled(factor).sah_cost / expected.sah_cost;
+        assert!((ratio - 1.0).abs() < 1e-6, "{factor}: {ratio}");
+    }
+    let denormal = scaled(1e-39).sah_cost / expected.sah_cost;
+    assert!((0.9..1.1).contains(&denormal), "{denormal}");
+}
+
+#[test]
+fn presets_trade_build_work_for_cheaper_trees() {
+    let mesh = scattered(20_000);
+    let [fast, balanced, high] = [
+        BvhOptions::fast(),
+        BvhOptions::balanced(),
+        BvhOptions::high_quality(),
+    ]
+    .map(|options| build(&mesh, &options).statistics().sah_cost);
+    assert!(
+        high < balanced && balanced < fast,
+        "{fast} {balanced} {high}"
+    );
+}
+
+#[test]
+fn statistics_of_one_triangle_are_those_of_one_leaf() {
+    let mesh = soup(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]]);
+    let statistics = build(&mesh, &BvhOptions::default()).statistics();
+    let expected = TreeStatistics {
+        primitives: 1,
+        nodes: 1,
+        leaves: 1,
+        empty_leaves: 0,
+        depth: 1,
+        references: 1,
+        bytes: statistics.bytes,
+        sah_cost: 1.0,
+    };
+    assert_eq!(statistics, expected);
+    assert!((40..=128).contains(&statistics.bytes), "{statistics:?}");
+}
+
+#[test]
+fn a_mesh_without_triangles_gives_a_tree_without_nodes() {
+    let bvh = build(&TriangleMesh::default(), &BvhOptions::default());
+    assert_eq!((bvh.node_count(), bvh.depth()), (0, 0));
+    assert!(bvh.bounds().is_empty(), "nothing to enclose");
+    assert_eq!(bvh.statistics().sah_cost, 0.0);
+    assert_eq!(bvh.validate(), Ok(()));
+}
+
+#[test]
+fn bounds_without_area_have_a_finite_cost() {
+    let segment = [Vec3::ZERO, Vec3::X, Vec3::X * 2.0];
+    let bvh = build(&soup(vec![segment; 10]), &BvhOptions::default());
+    let cost = bvh.statistics().sah_cost;
+    assert!(cost.is_finite() && cost >= 10.0, "{cost}");
+}
+
+proptest! {
+    #[test]
+    fn statistics_add_up(mesh in mesh(), max_leaf_size in 1usize..10) {
+        let options = BvhOptions::default().with_max_leaf_size(max_leaf_size);
+        let bvh = build(&mesh, &options);
+        let statistics = bvh.statistics();
+        prop_assert_eq!(statistics.primitives, mesh.len());
+        prop_assert_eq!(statistics.references, mesh.len());
+        prop_assert_eq!(statistics.nodes, (2 * statistics.leaves).saturating_sub(1));
+        prop_assert_eq!(statistics.nodes, bvh.node_count());
+        prop_assert!(statistics.leaves * max_leaf_size >= mesh.len());
+        prop_assert!(bvh.depth() <= statistics.leaves.max(1));
+        prop_assert_eq!(bvh.bounds(), mesh.aabb());
+        prop_assert_eq!(bvh.validate(), Ok(()));
+    }
+}
+
+#[test]
+fn degenerate_meshes_build_with_every_preset() {
+    for (name, mesh) in degenerate_meshes() {
+        for options in [
+            BvhOptions::fast(),
+            BvhOptions::balanced(),
+            BvhOptions::high_quality(),
+        ] {
+            let bvh = build(&mesh, &options);
+            assert_eq!(bvh.validate(), Ok(()), "{name}");
+            assert_eq!(bvh.statistics().references, mesh.len(), "{name}");
+        }
+    }
+}
+
+#[test]
+fn options_out_of_range_are_refused() {
+    let good = BvhOptions::default();
+    let error = |options: &BvhOptions| {
+        Bvh::build(&scattered(3), options).expect_err("an option is out of range")
+    };
+    for (option, options) in [
+        ("bins", good.clone().with_bins(1)),
+        ("bins", good.clone().with_bins(65)),
+        ("sweep_size", good.clone().with_sweep_size(257)),
+        ("max_leaf_size", good.clone().with_max_leaf_size(0)),
+        ("max_leaf_size", good.clone().with_max_leaf_size(256)),
+    ] {
+        let error = error(&options);
+        assert!(
+            matches!(error, BuildError::OutOfRange { option: named, .. } if named == option),
+            "{error}"
+        );
+    }
+    for cost in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        let error = error(&good.clone().with_costs(cost, 1.0));
+        assert!(matches!(error, BuildError::InvalidCost { .. }), "{error}");
+    }
+    let message = error(&good.with_bins(65)).to_string();
+    assert_eq!(message, "option bins is 65, but must be from 2 to 64");
+}
+
+#[test]
+fn the_precision_is_kept() {
+    let options = BvhOptions::default().with_precision(Precision::Fast);
+    let bvh = build(&scattered(3), &options);
+    assert_eq!(bvh.options(), &options);
+}

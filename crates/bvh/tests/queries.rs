@@ -1,0 +1,185 @@
+//! Queries answer like brute force, bit for bit.
+
+use proptest::prelude::*;
+use tahko_bvh::{Bvh, BvhOptions};
+use tahko_geometry::test_support::{
+    assert_answers_like_brute_force, degenerate_meshes, mesh, ray, rays_at_features,
+};
+use tahko_geometry::{Axis, Precision, QueryCounts, Ray, RayQuery, TriangleMesh, glam::Vec3};
+
+/// The presets, and options that lead to the deepest and the flattest trees.
+fn all_options() -> Vec<(&'static str, BvhOptions)> {
+    vec![
+        ("fast", BvhOptions::fast()),
+        ("balanced", BvhOptions::balanced()),
+        ("high quality", BvhOptions::high_quality()),
+        (
+            "two bins, single triangles",
+            BvhOptions::fast().with_bins(2).with_max_leaf_size(1),
+        ),
+        (
+            "sweep only, single triangles",
+            BvhOptions::high_quality()
+                .with_sweep_size(256)
+                .with_max_leaf_size(1),
+        ),
+        (
+            "large leaves",
+            BvhOptions::balanced()
+                .with_costs(50.0, 1.0)
+                .with_max_leaf_size(20),
+        ),
+    ]
+}
+
+fn check(name: &str, mesh: &TriangleMesh, rays: &[Ray]) {
+    for options in all_options() {
+        check_one(name, mesh, rays, &options);
+    }
+}
+
+fn check_one(
+    name: &str,
+    mesh: &TriangleMesh,
+    rays: &[Ray],
+    (options_name, options): &(&'static str, BvhOptions),
+) {
+    for precision in Precision::ALL {
+        let options = options.clone().with_precision(precision);
+        let bvh = Bvh::build(mesh, &options).expect("options in range");
+        assert_eq!(bvh.validate(), Ok(()), "{name}, {options_name}");
+        let name = (name, options_name);
+        assert_answers_like_brute_force(name, &bvh, mesh, precision, rays);
+    }
+}
+
+proptest! {
+    #[test]
+    fn random_queries_answer_like_brute_force(
+        mesh in mesh(),
+        options in prop::sample::select(all_options()),
+        rays in prop::collection::vec(ray(), 1..20),
+    ) {
+        check_one("random", &mesh, &rays, &options);
+    }
+
+    #[test]
+    fn rays_at_edges_and_vertices_answer_like_brute_force(
+        mesh in mesh(),
+        options in prop::sample::select(all_options()),
+        start in any::<prop::sample::Index>(),
+    ) {
+        let rays = rays_at_features(&mesh);
+        let start = if rays.is_empty() { 0 } else { start.index(rays.len()) };
+        let rays: Vec<Ray> = rays.into_iter().skip(start).take(200).collect();
+        check_one("features", &mesh, &rays, &options);
+    }
+}
+
+/// Rays along each axis, in both directions and with zeros of both signs, through up to 60 vertices of a mesh.
+fn parallel_rays(mesh: &TriangleMesh) -> Vec<Ray> {
+    let mut rays = Vec::new();
+    let step = mesh.vertices().len().div_ceil(60).max(1);
+    for vertex in mesh.vertices().iter().step_by(step) {
+        for axis in Axis::ALL {
+            for (zero, sign) in [(0.0, 1.0), (-0.0, -1.0), (0.0, -1.0), (-0.0, 1.0)] {
+                let mut direction = Vec3::splat(zero);
+                direction[axis as usize] = sign;
+                let mut origin = *vertex;
+                origin[axis as usize] -= 3.0 * sign;
+                rays.push(Ray::new(origin, direction));
+            }
+        }
+    }
+    rays
+}
+
+#[test]
+fn degenerate_meshes_build_and_answer_like_brute_force() {
+    for (name, mesh) in degenerate_meshes() {
+        check(name, &mesh, &rays_at_features(&mesh));
+        check(name, &mesh, &parallel_rays(&mesh));
+    }
+}
+
+#[test]
+fn a_grid_of_boxes_touched_at_their_faces_answers_like_brute_force() {
+    // Every box of the tree has faces on grid planes, and so has every ray.
+    let squares = (0..4u8).flat_map(|x| (0..4u8).map(move |y| (f32::from(x), f32::from(y))));
+    let corners = squares.flat_map(|(x, y)| {
+        let at = |dx: f32, dy: f32| Vec3::new(x + dx, y + dy, (x * y) % 3.0);
+        [
+            [at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0)],
+            [at(0.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+        ]
+    });
+    let mesh = tahko_geometry::test_support::soup(corners.collect());
+    check("grid", &mesh, &parallel_rays(&mesh));
+    check("grid", &mesh, &rays_at_features(&mesh));
+}
+
+#[test]
+fn of_equal_triangles_the_first_one_is_hit_in_whatever_leaf_it_is() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let mesh = tahko_geometry::test_support::soup(vec![triangle; 1000]);
+    let bvh = Bvh::build(&mesh, &BvhOptions::default()).expect("options in range");
+    let ray = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
+    assert_eq!(bvh.closest_hit(&ray).map(|hit| hit.primitive), Some(0));
+}
+
+#[test]
+fn rays_that_are_not_valid_hit_nothing_and_visit_nothing() {
+    let mesh = tahko_geometry::test_support::soup(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 9]);
+    let bvh = Bvh::build(&mesh, &BvhOptions::default()).expect("options in range");
+    let good = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
+    assert!(bvh.any_hit(&good), "the valid ray hits");
+    let mut counts = QueryCounts::default();
+    for bad in [
+        Ray {
+            direction: Vec3::ZERO,
+            ..good
+        },
+        Ray {
+            direction: Vec3::NAN,
+            ..good
+        },
+        Ray {
+            origin: Vec3::INFINITY,
+            ..good
+        },
+        Ray {
+            t_min: 2.0,
+            t_max: 1.0,
+            ..good
+        },
+        Ray {
+            t_max: f32::NAN,
+            ..good
+        },
+    ] {
+        assert_eq!(bvh.closest_hit_counted(&bad, &mut counts), None, "{bad:?}");
+        assert!(!bvh.any_hit_counted(&bad, &mut counts), "{bad:?}");
+    }
+    assert_eq!(counts, QueryCounts::default());
+}
+
+#[test]
+fn counts_tell_what_a_traversal_did() {
+    let triangle = [Vec3::ZERO, Vec3::X, Vec3::Y];
+    let stacked = (0..64u8).map(|i| triangle.map(|corner| corner + Vec3::Z * f32::from(i)));
+    let mesh = tahko_geometry::test_support::soup(stacked.collect());
+    let options = BvhOptions::default().with_max_leaf_size(1);
+    let bvh = Bvh::build(&mesh, &options).expect("options in range");
+    assert_eq!((bvh.depth(), bvh.node_count()), (7, 127));
+    let mut counts = QueryCounts::default();
+    let down = Ray::new(Vec3::new(0.25, 0.25, 100.0), Vec3::NEG_Z);
+    let hit = bvh.closest_hit_counted(&down, &mut counts);
+    assert_eq!(hit.map(|hit| hit.primitive), Some(63));
+    // Straight down to the topmost triangle: the nearer child first, all others skipped.
+    let expected = QueryCounts {
+        node_visits: 7,
+        bound_tests: 13,
+        triangle_tests: 1,
+    };
+    assert_eq!(counts, expected);
+}
