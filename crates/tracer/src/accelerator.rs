@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
+use tahko_bvh::{Bvh, BvhOptions};
 use tahko_geometry::{BruteForce, Precision, RayQuery, TreeStatistics, TriangleMesh};
 use thiserror::Error;
 
@@ -61,10 +62,20 @@ impl Accelerator {
         precision: Precision,
         mesh: &TriangleMesh,
     ) -> Result<Self, AcceleratorError> {
+        let failed = |source| AcceleratorError {
+            kind,
+            source: Box::new(source),
+        };
         let start = Instant::now();
         let (query, statistics): (Box<dyn RayQuery + Send>, _) = match kind {
             StructureKind::Brute => {
                 let structure = BruteForce::new(mesh, precision);
+                let statistics = structure.statistics();
+                (Box::new(structure), statistics)
+            }
+            StructureKind::Bvh => {
+                let options = BvhOptions::default().with_precision(precision);
+                let structure = Bvh::build(mesh, &options).map_err(failed)?;
                 let statistics = structure.statistics();
                 (Box::new(structure), statistics)
             }
