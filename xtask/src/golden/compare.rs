@@ -6,18 +6,21 @@ use anyhow::Context;
 use image::{ImageFormat, Rgba, RgbaImage};
 
 /// A channel of 8 bits may differ by this much: pictures are the same on one machine, but the mathematical functions
-/// of platforms differ in the last bit, which can carry a value over a rounding step, or over two where
-/// sums of several lights meet.
-pub(super) const CHANNEL_TOLERANCE: u8 = 2;
+/// of platforms differ in the last bit, which can carry a value over a rounding step.
+///
+/// Measured on six scenes of nine tessellated spheres (mirrors, glass, diffuse) over a wavy floor, by moving every
+/// coordinate of every vertex at random by -1, 0 or 1 ulp, three times each: 1 to 7 of the 19200 pixels
+/// differed, all but 2 of them by 1.
+pub(super) const CHANNEL_TOLERANCE: u8 = 1;
 
-/// So many pixels may differ by more. A generated vertex that moves by one part in 10^7 moves an outline by
-/// some 10^-5 pixels, so that of the 19200 pixels, a few thousand of them on outlines, well under one changes sides;
-/// reflections in curved surfaces magnify that a hundredfold.
+/// So many pixels may differ by more, because a ray passes on the other side of an edge: twice the largest
+/// number of the measurement at [`CHANNEL_TOLERANCE`].
 pub(super) const OUTLIERS: usize = 4;
 
-/// So many pixels of the fast precision may differ from the golden image by more: one in a hundred. Fast decisions
-/// are wrong only in a narrow seam along edges.
-pub(super) const FAST_OUTLIERS: usize = 192;
+/// So many pixels of the fast precision may differ by more than [`CHANNEL_TOLERANCE`] from the golden image: one row.
+/// In the same scenes none did; but where the diagonal of a quad falls on a line of pixels, as in scenes
+/// that are aligned with the camera, a whole line of rays meets an edge.
+pub(super) const FAST_OUTLIERS: usize = 160;
 
 /// How two pictures differ.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -146,13 +149,13 @@ mod tests {
         assert!(difference.is_within(0), "{difference}");
         assert_eq!(
             difference.to_string(),
-            "8 pixels differ, 0 by more than 2, at most by 2"
+            "8 pixels differ, 0 by more than 1, at most by 1"
         );
     }
 
     #[test]
     fn outliers_are_tolerated_up_to_a_number() {
-        let difference = Difference::between(&picture(&[]), &picture(&[1, 3, 90]));
+        let difference = Difference::between(&picture(&[]), &picture(&[1, 2, 90]));
         assert!(difference.is_within(2), "{difference}");
         assert!(!difference.is_within(1), "{difference}");
     }
