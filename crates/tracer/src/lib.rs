@@ -8,6 +8,7 @@
 
 pub mod accelerator;
 pub mod film;
+pub mod generate;
 pub mod load;
 mod output;
 pub mod render;
