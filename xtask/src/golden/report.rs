@@ -149,16 +149,35 @@ fn reference(rendered: &[Rendered], precision: Precision) -> Option<(&Rendered, 
         .find_map(|rendered| Some((rendered, rendered.png.as_deref().ok()?)))
 }
 
+/// Cases that gave no picture: one problem for each distinct error, as most scenes fail in all cases alike.
+fn failures(rendered: &[Rendered]) -> Vec<Problem> {
+    let errors = || {
+        let failed = rendered.iter();
+        failed.filter_map(|rendered| Some((&rendered.case, rendered.png.as_ref().err()?)))
+    };
+    let mut reported: Vec<&str> = Vec::new();
+    let mut problems = Vec::new();
+    for (case, error) in errors() {
+        if reported.contains(&error.as_str()) {
+            continue;
+        }
+        reported.push(error);
+        let others = errors().filter(|(_, other)| *other == error).count() - 1;
+        let others = match others {
+            0 => String::new(),
+            _ => format!(" and {others} other cases"),
+        };
+        problems.push(Problem::new(format!("{case}{others}: {error}")));
+    }
+    problems
+}
+
 /// Cases that gave no picture, and pictures that are not byte for byte the reference of their precision.
 fn disagreements(rendered: &[Rendered], folder: &Path) -> anyhow::Result<Vec<Problem>> {
-    let mut problems = Vec::new();
+    let mut problems = failures(rendered);
     for Rendered { case, file, png } in rendered {
-        let png = match png {
-            Ok(png) => png,
-            Err(error) => {
-                problems.push(Problem::new(format!("{case}: {error}")));
-                continue;
-            }
+        let Ok(png) = png else {
+            continue;
         };
         let Some((reference, expected_png)) = reference(rendered, case.precision) else {
             continue;
@@ -277,7 +296,9 @@ mod tests {
             _ => Ok(png(0)),
         });
         let report = check(&pictures, None, &folder).unwrap();
-        assert_eq!(report.problems.len(), 5, "{report:?}");
+        let expected = "bsp fast (--threads 1) and 3 other cases: ended with 1";
+        assert_eq!(messages(&report)[0], expected);
+        assert_eq!(report.problems.len(), 2, "{report:?}");
         let broken = check(&all(|_| Ok(png(0))), Some(b"no picture"), &folder).unwrap();
         let message = "the golden image: not a PNG picture";
         assert!(messages(&broken)[0].starts_with(message), "{broken:?}");
