@@ -41,6 +41,7 @@ use glam::Vec3;
 
 pub use error::GenerateError;
 pub use generator::Generator;
+pub(crate) use shapes::UnitSphere;
 
 /// A generated scene: triangles in parts, with a view and lights that suit them.
 #[derive(Clone, Debug, PartialEq)]

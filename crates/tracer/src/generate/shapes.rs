@@ -13,13 +13,13 @@ use super::mesh_builder::MeshBuilder;
 /// An icosahedron whose triangles are cut into four, a number of times, and pushed out to the sphere. Closed:
 /// neighbours share vertices.
 #[derive(Debug)]
-pub(super) struct UnitSphere {
+pub(crate) struct UnitSphere {
     points: Vec<Vec3>,
     triangles: Vec<[u32; 3]>,
 }
 
 impl UnitSphere {
-    pub(super) fn new(subdivisions: u32) -> Self {
+    pub(crate) fn new(subdivisions: u32) -> Self {
         let mut sphere = Self {
             points: icosahedron_points(),
             triangles: ICOSAHEDRON_TRIANGLES.to_vec(),
@@ -41,12 +41,12 @@ impl UnitSphere {
     }
 
     /// The points, all on the unit sphere.
-    pub(super) fn points(&self) -> &[Vec3] {
+    pub(crate) fn points(&self) -> &[Vec3] {
         &self.points
     }
 
     /// The triangles between the points.
-    pub(super) fn triangles(&self) -> &[[u32; 3]] {
+    pub(crate) fn triangles(&self) -> &[[u32; 3]] {
         &self.triangles
     }
 

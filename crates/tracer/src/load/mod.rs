@@ -1,5 +1,7 @@
 //! Reads scenes from files: RON, glTF and GLB, OBJ with MTL, PLY, STL.
 
+mod ron;
+
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -57,6 +59,7 @@ impl Import {
     pub(crate) fn file(&mut self, path: &Path) -> Result<(), LoadError> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         match extension.to_str() {
+            Some("ron") => ron::read(path, self),
             _ => Err(LoadError::unsupported(
                 path,
                 format!("the file type (one of {} is needed)", EXTENSIONS.join(", ")),
@@ -152,6 +155,10 @@ impl LoadError {
         }
     }
 
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "errors are passed on as they come"
+    )]
     pub(crate) fn invalid(path: &Path, place: impl Into<String>, reason: impl ToString) -> Self {
         Self::Invalid {
             path: path.to_owned(),

@@ -20,7 +20,7 @@ pub(crate) fn position_in_pixel(x: u32, y: u32, sample: u32, options: &RenderOpt
     [0, 1].map(|axis| (shifts[axis] + f64::from(sample) * STEPS[axis]).fract())
 }
 
-/// The finaliser of SplitMix64 (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014).
+/// The finaliser of `SplitMix64` (Steele, Lea, Flood, "Fast splittable pseudorandom number generators", 2014).
 fn hash(value: u64) -> u64 {
     let value = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
     let value = (value ^ value >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);

@@ -1,4 +1,4 @@
-//! Light sources without extent, as in KHR_lights_punctual.
+//! Light sources without extent, as in `KHR_lights_punctual`.
 
 use glam::{DVec3, Vec3};
 

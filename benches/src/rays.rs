@@ -1,0 +1,137 @@
+//! Deterministic sets of rays over a scene.
+
+use glam::Vec3;
+use tahko_tracer::geometry::{Aabb, Hit, Ray, RayQuery};
+use tahko_tracer::scene::{Light, Scene};
+
+/// What kind of rays a set holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum RayClass {
+    /// Through the pixels of a picture, row by row: closest hit.
+    Primary,
+    /// From the primary hits to the first light: any hit.
+    Shadow,
+    /// Through two random points of the scene's bounds: closest hit.
+    Random,
+    /// From random points through vertices and edge midpoints: closest hit. Rays like these find the cracks.
+    Aimed,
+}
+
+impl RayClass {
+    pub(crate) const ALL: [Self; 4] = [Self::Primary, Self::Shadow, Self::Random, Self::Aimed];
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Primary => "primary",
+            Self::Shadow => "shadow",
+            Self::Random => "random",
+            Self::Aimed => "aimed",
+        }
+    }
+
+    /// A set of at most `count` rays. `query` finds the hits that shadow rays start from.
+    pub(crate) fn rays(self, scene: &Scene, query: &dyn RayQuery, count: usize) -> Vec<Ray> {
+        match self {
+            Self::Primary => primary(scene, count),
+            Self::Shadow => shadow(scene, query, count),
+            Self::Random => random(&scene.mesh().aabb(), count),
+            Self::Aimed => aimed(scene, count),
+        }
+    }
+}
+
+fn primary(scene: &Scene, count: usize) -> Vec<Ray> {
+    let side = u32::try_from(count.isqrt()).unwrap_or(u32::MAX);
+    let pixels = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
+    pixels
+        .map(|(x, y)| {
+            scene
+                .camera()
+                .ray(f64::from(x) + 0.5, f64::from(y) + 0.5, side, side)
+        })
+        .collect()
+}
+
+fn shadow(scene: &Scene, query: &dyn RayQuery, count: usize) -> Vec<Ray> {
+    let Some(light) = scene.lights().first() else {
+        return Vec::new();
+    };
+    let to_light = |ray: Ray, hit: Hit| {
+        // Just before the hit, by a few roundings of the way to it.
+        let start = ray.at(hit.t * (1.0 - 16.0 * f32::EPSILON));
+        match *light {
+            Light::Point { position, .. } | Light::Spot { position, .. } => {
+                Ray::segment(start, position.as_vec3())
+            }
+            Light::Directional { direction, .. } => Ray::new(start, -direction.as_vec3()),
+        }
+    };
+    primary(scene, count)
+        .into_iter()
+        .filter_map(|ray| query.closest_hit(&ray).map(|hit| to_light(ray, hit)))
+        .collect()
+}
+
+fn random(bounds: &Aabb, count: usize) -> Vec<Ray> {
+    let mut random = Random::new(1);
+    (0..count)
+        .map(|_| {
+            let [from, through] = [(); 2].map(|()| random.point_in(bounds));
+            Ray::new(from, through - from)
+        })
+        .collect()
+}
+
+fn aimed(scene: &Scene, count: usize) -> Vec<Ray> {
+    let mesh = scene.mesh();
+    let bounds = mesh.aabb();
+    let mut random = Random::new(2);
+    if mesh.is_empty() {
+        return Vec::new();
+    }
+    (0..count)
+        .map(|index| {
+            let triangle = mesh.triangle(random.below(mesh.len()));
+            let target = if index % 2 == 0 {
+                triangle.a
+            } else {
+                triangle.a.midpoint(triangle.b)
+            };
+            let from = random.point_in(&bounds);
+            Ray::new(from, target - from)
+        })
+        .collect()
+}
+
+/// SplitMix64 (Steele, Lea, Flood 2014).
+struct Random {
+    state: u64,
+}
+
+impl Random {
+    const fn new(seed: u64) -> Self {
+        Self { state: seed }
+    }
+
+    const fn next(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let value = (self.state ^ self.state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        let value = (value ^ value >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
+        value ^ value >> 31
+    }
+
+    /// From 0 to 1, with 24 bits.
+    fn unit(&mut self) -> f32 {
+        (self.next() >> 40) as f32 / (1u32 << 24) as f32
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "below a length")]
+    const fn below(&mut self, count: usize) -> usize {
+        (self.next() % count as u64) as usize
+    }
+
+    fn point_in(&mut self, bounds: &Aabb) -> Vec3 {
+        let weights = Vec3::new(self.unit(), self.unit(), self.unit());
+        bounds.min * (Vec3::ONE - weights) + bounds.max * weights
+    }
+}
