@@ -1,0 +1,81 @@
+//! Every policy at every precision answers like brute force, and every tree is well formed.
+
+use proptest::prelude::*;
+use tahko_geometry::glam::Vec3;
+use tahko_geometry::test_support::{
+    assert_answers_like_brute_force, degenerate_meshes, mesh, ray, rays_at_features,
+};
+use tahko_geometry::{Precision, Ray, TriangleMesh};
+use tahko_kdtree::{KdTree, KdTreeOptions, SplitPolicy};
+
+/// Options that make trees differ: all policies with small and large leaves, and costs that split far.
+fn options() -> Vec<KdTreeOptions> {
+    let policies = SplitPolicy::ALL.into_iter().flat_map(|policy| {
+        let options = KdTreeOptions::default().with_split_policy(policy);
+        [options.clone(), options.with_max_leaf_size(6)]
+    });
+    let splitting = KdTreeOptions::default()
+        .with_costs(0.0, 1.0)
+        .with_empty_space_factor(0.1)
+        .with_max_depth(Some(60));
+    policies.chain([KdTreeOptions::fast(), splitting]).collect()
+}
+
+fn check(name: &str, mesh: &TriangleMesh, rays: &[Ray]) {
+    for precision in Precision::ALL {
+        for options in options() {
+            let options = options.with_precision(precision);
+            let tree = KdTree::build(mesh, &options).expect("the options are valid");
+            assert_eq!(tree.validate(), Ok(()), "{name}, {options:?}");
+            let name = (name, &options);
+            assert_answers_like_brute_force(name, &tree, mesh, precision, rays);
+        }
+    }
+}
+
+/// Rays along the axes, with zeros of both signs, through every vertex and every corner of the bounds: in the
+/// splitting planes, in faces of cells, and along edges.
+fn rays_along_axes(mesh: &TriangleMesh) -> Vec<Ray> {
+    let bounds = mesh.aabb();
+    let mut points: Vec<Vec3> = mesh.vertices().to_vec();
+    points.truncate(40);
+    if !bounds.is_empty() {
+        points.extend([bounds.min, bounds.max, bounds.center()]);
+    }
+    let directions = [Vec3::X, Vec3::Y, Vec3::Z]
+        .into_iter()
+        .flat_map(|axis| [axis, -axis]);
+    let directions: Vec<Vec3> = directions.collect();
+    let through = |point: Vec3| {
+        directions.iter().flat_map(move |direction| {
+            let start = point - 16.0 * *direction;
+            [Ray::new(start, *direction), Ray::new(point, *direction)]
+        })
+    };
+    points.into_iter().flat_map(through).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(
+        std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(100)
+    ))]
+
+    #[test]
+    fn random_rays_hit_what_brute_force_hits(
+        mesh in mesh(),
+        rays in prop::collection::vec(ray(), 1..40),
+    ) {
+        check("random", &mesh, &rays);
+    }
+}
+
+#[test]
+fn rays_at_features_of_degenerate_meshes_hit_what_brute_force_hits() {
+    for (name, mesh) in degenerate_meshes() {
+        let mut rays = rays_at_features(&mesh);
+        // Some of the meshes have thousands of features that differ in nothing.
+        rays.truncate(400);
+        rays.extend(rays_along_axes(&mesh));
+        check(name, &mesh, &rays);
+    }
+}
