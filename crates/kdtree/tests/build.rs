@@ -61,14 +61,14 @@ fn the_tree_is_the_same_for_every_number_of_threads() {
     }
 }
 
-/// The tree that `parallel` gives and the one without it are compared by their statistics: both test runs have
-/// to give these numbers.
+/// One test run has the feature `parallel`, another has not: both have to find these numbers. They may change
+/// when the build is changed on purpose.
 #[test]
 fn the_tree_does_not_depend_on_the_feature() {
     let statistics = build(&terrain(60), &KdTreeOptions::default()).statistics();
     assert_eq!(
         (statistics.nodes, statistics.references, statistics.depth),
-        (0, 0, 0)
+        (17129, 7212, 19)
     );
 }
 
@@ -208,7 +208,7 @@ fn deep_trees_are_traversed_without_a_usual_stack() {
         .with_max_depth(Some(300));
     let tree = build(&mesh, &options);
     assert!(tree.depth() > 64, "the depth is {}", tree.depth());
-    let hit = tree.closest_hit(&Ray::new(Vec3::new(-1.0, 0.2, 0.2), Vec3::X));
+    let hit = tree.closest_hit(&Ray::new(Vec3::new(0.0, 0.2, 0.2), Vec3::X));
     assert_eq!(hit.map(|hit| hit.primitive), Some(99));
 }
 

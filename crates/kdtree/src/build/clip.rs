@@ -17,7 +17,7 @@
 //! vertex. The box around vertices, with `2^-45 M` to both sides of cut points, contains the shadow.
 //! Then it is rounded outwards to f32 and cut down to the triangle's own box and to the cell.
 
-use glam::{DVec3, Vec3};
+use tahko_geometry::glam::{DVec3, Vec3};
 use tahko_geometry::{Aabb, Triangle};
 
 /// The bound on the error of a cut point, relative to the largest magnitude of the coordinate: `2^-45`.
