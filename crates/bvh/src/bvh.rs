@@ -64,3 +64,52 @@ impl Bvh {
         &self.layout
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use tahko_geometry::glam::Vec3;
+
+    use super::*;
+
+    /// Triangles between neighbouring points of a sequence whose coordinates are exact in f32.
+    fn mesh() -> TriangleMesh {
+        let points = (0u32..40_002).map(|i| {
+            let [x, y, z] = [48_271, 69_621, 16_807].map(|factor| i.wrapping_mul(factor) % 8191);
+            Vec3::from([x, y, z].map(|coordinate| coordinate as f32))
+        });
+        let indices = (0..40_000).map(|i| [i, i + 1, i + 2]);
+        TriangleMesh::new(points.collect(), indices.collect()).expect("finite vertices")
+    }
+
+    /// FNV-1a over all bits of the layout.
+    fn fingerprint(layout: &Bvh2) -> u64 {
+        let nodes = layout.nodes().flat_map(|node| {
+            let Aabb { min, max } = node.bounds();
+            let corners = [min, max].map(|corner| corner.to_array().map(f32::to_bits));
+            let links = [node.first(), node.count()].map(|link| link as u64);
+            corners.into_iter().flatten().map(u64::from).chain(links)
+        });
+        let numbers = layout.triangles.iter().map(|leaf| u64::from(leaf.number));
+        nodes
+            .chain(numbers)
+            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+                (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
+            })
+    }
+
+    /// The expected values are the same with and without the `parallel` feature. They change with the
+    /// build's decisions: that is no fault, if the cost of the tree did not grow.
+    #[test]
+    fn threads_do_not_show_in_the_tree() {
+        let mesh = mesh();
+        for (options, expected) in [
+            (BvhOptions::fast(), 0x54eb_0616_aaa3_4adb),
+            (BvhOptions::balanced(), 0x0217_965d_5a70_e8d9),
+            (BvhOptions::high_quality(), 0x0f0e_6163_7700_08d6),
+        ] {
+            let bvh = Bvh::build(&mesh, &options).expect("options in range");
+            let found = fingerprint(bvh.layout());
+            assert_eq!(found, expected, "{found:#x}, {}", bvh.statistics().sah_cost);
+        }
+    }
+}

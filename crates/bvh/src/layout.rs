@@ -36,7 +36,7 @@ impl Bvh2 {
     pub(crate) fn new(tree: &BinaryTree, mesh: &TriangleMesh) -> Self {
         let mut layout = Self {
             root: None,
-            siblings: Vec::new(),
+            siblings: Vec::with_capacity(tree.inner_count),
             triangles: collect(tree.references.len(), |index| {
                 let number = tree.references[index].number();
                 LeafTriangle {
@@ -76,7 +76,6 @@ impl Bvh2 {
             self.siblings.push(Siblings([first, second]));
             self.depth = self.depth.max(depth);
         }
-        self.siblings.shrink_to_fit();
     }
 
     /// All nodes: the root first, the others in the order of their numbers.

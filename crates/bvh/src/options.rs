@@ -83,8 +83,10 @@ impl BvhOptions {
             precision: Precision::Watertight,
             bins: 16,
             sweep_size: 0,
-            max_leaf_size: 4,
-            traversal_cost: 1.0,
+            max_leaf_size: 8,
+            // Measured on scans and interiors, ratios from 0.7 to 2 give the same speed of rays within noise;
+            // this one saves a sixth of the nodes that 1 would need.
+            traversal_cost: 1.5,
             intersection_cost: 1.0,
         }
     }

@@ -33,6 +33,8 @@ pub(crate) struct BinaryTree {
     /// follows it, and blocks may have unused nodes at their ends.
     nodes: Vec<BuildNode>,
     pub(crate) references: Vec<Reference>,
+    /// Nodes with children.
+    pub(crate) inner_count: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -66,12 +68,17 @@ impl BinaryTree {
             link: Link::Leaf { first: 0, count: 0 },
         };
         let mut nodes = vec![unused; (2 * mesh.len()).saturating_sub(1)];
+        let mut inner_count = 0;
         if !references.is_empty() {
             let builder = Builder::new(&references, options);
             let extent = builder.extent(&references);
-            builder.build(&mut references, &mut nodes, extent, Place::ROOT);
+            inner_count = builder.build(&mut references, &mut nodes, extent, Place::ROOT);
         }
-        Self { nodes, references }
+        Self {
+            nodes,
+            references,
+            inner_count,
+        }
     }
 
     /// The box of a node and what it links to; node 0 is the root of a tree over at least one reference.
@@ -130,14 +137,15 @@ impl<'a> Builder<'a> {
         )
     }
 
-    /// Builds a subtree into its block of nodes. The recursion is at most [`MAX_DEPTH`] deep.
+    /// Builds a subtree into its block of nodes and returns how many of its nodes have children. The recursion is
+    /// at most [`MAX_DEPTH`] deep.
     fn build(
         &self,
         references: &mut [Reference],
         nodes: &mut [BuildNode],
         extent: Extent,
         place: Place,
-    ) {
+    ) -> usize {
         let count = references.len();
         let parts = self.split(references, &extent, place.depth);
         let bounds = extent.bounds.to_aabb();
@@ -145,7 +153,7 @@ impl<'a> Builder<'a> {
             let first = place.first_reference;
             let link = Link::Leaf { first, count };
             nodes[0] = BuildNode { bounds, link };
-            return;
+            return 0;
         };
         let first_place = Place {
             first_reference: place.first_reference,
@@ -161,11 +169,12 @@ impl<'a> Builder<'a> {
         nodes[0] = BuildNode { bounds, link };
         let (first_nodes, second_nodes) = nodes[1..].split_at_mut(2 * parts.middle - 1);
         let (first, second) = references.split_at_mut(parts.middle);
-        join_if(
+        let (first_count, second_count) = join_if(
             count >= PARALLEL_SIZE,
             || self.build(first, first_nodes, parts.first, first_place),
             || self.build(second, second_nodes, parts.second, second_place),
         );
+        1 + first_count + second_count
     }
 
     /// Cuts the references of a node in two, or makes it a leaf.
