@@ -11,7 +11,7 @@ mod sweep;
 
 use tahko_geometry::{Aabb, Axis, TriangleMesh};
 
-use self::reference::{CentroidScale, Extent};
+use self::reference::{Bounds, CentroidScale, Extent};
 use self::split::{Candidate, Parts};
 use crate::BvhOptions;
 use crate::parallel::{collect, join_if, reduce};
@@ -116,16 +116,10 @@ impl Place {
 
 impl<'a> Builder<'a> {
     fn new(references: &[Reference], options: &'a BvhOptions) -> Self {
-        // The scale needs the bounds before there are centroids: any scale will do for those.
-        let any = CentroidScale::new(&Aabb::EMPTY);
-        let builder = Self {
-            options,
-            scale: any,
-        };
-        let bounds = builder.extent(references).bounds.to_aabb();
+        let bounds = reduce(references, &Bounds::of, &Bounds::union);
         Self {
             options,
-            scale: CentroidScale::new(&bounds),
+            scale: CentroidScale::new(&bounds.to_aabb()),
         }
     }
 

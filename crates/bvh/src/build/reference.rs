@@ -48,6 +48,14 @@ impl Bounds {
         upper: Vec4::NEG_INFINITY,
     };
 
+    pub(super) fn of(references: &[Reference]) -> Self {
+        let mut bounds = Self::EMPTY;
+        for reference in references {
+            bounds.add(reference);
+        }
+        bounds
+    }
+
     #[inline]
     pub(super) fn add(&mut self, reference: &Reference) {
         self.lower = self.lower.min(reference.lower);
