@@ -110,6 +110,8 @@ impl Program {
         command
             .current_dir(&workspace.root)
             .stdin(Stdio::null())
+            // A panic is one line among the messages; who looks for its cause repeats the case alone.
+            .env("RUST_BACKTRACE", "0")
             .args(["render", &scene.file, "-o"])
             .arg(&file)
             .args(["--accel", case.structure])
