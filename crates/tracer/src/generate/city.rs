@@ -55,7 +55,7 @@ fn generate(size: u32, seed: u64) -> GeneratedScene {
             glass.into_part("glass", [0.12, 0.2, 0.28]).with_mirror(0.5),
             street,
         ],
-        view: SuggestedView::new(reach * Vec3::new(1.3, 1.4, 2.2), reach * Vec3::Y * 0.05),
+        view: SuggestedView::new(reach * Vec3::new(1.35, 1.5, 2.35), reach * Vec3::Y * 0.05),
         lights: vec![reach * Vec3::new(-1.5, 3.0, 1.5)],
     }
 }

@@ -57,7 +57,7 @@ fn generate(size: u32, _seed: u64) -> GeneratedScene {
                 .into_part("cylinders", [0.65, 0.65, 0.68])
                 .with_mirror(0.25),
         ],
-        view: SuggestedView::new(Vec3::new(1.0, 0.8, 1.9) * extent, Vec3::ZERO),
+        view: SuggestedView::new(Vec3::new(1.1, 0.85, 2.05) * extent, Vec3::ZERO),
         lights: vec![
             Vec3::new(2.0, 2.0, 2.0) * extent,
             Vec3::new(-2.0, 1.0, 2.0) * extent,

@@ -17,7 +17,7 @@ pub(super) const MOUNT: Recipe = Recipe {
     description: "a fractal mountain below four glass spheres",
     size_meaning: "times that the mountain is subdivided",
     sizes: 1..=12,
-    default_size: 8,
+    default_size: 7,
     uses_seed: true,
     triangle_count: |size| {
         height_field_triangle_count(1 << size)
@@ -60,7 +60,7 @@ fn generate(size: u32, seed: u64) -> GeneratedScene {
                 .with_mirror(0.1)
                 .with_refractive_index(1.5),
         ],
-        view: SuggestedView::new(Vec3::new(-1.2, 2.6, 5.6), Vec3::new(0.0, 0.75, 0.0)),
+        view: SuggestedView::new(Vec3::new(-1.3, 2.8, 6.0), Vec3::new(0.0, 0.75, 0.0)),
         lights: vec![Vec3::new(-5.0, 3.5, 1.5)],
     }
 }

@@ -13,7 +13,7 @@ pub(super) const NEEDLES: Recipe = Recipe {
     name: "needles",
     description: "thin triangles along the diagonals of a cube, where bounding boxes are at their worst",
     size_meaning: "triangles",
-    // At ten million the needles are 50 units in the last place of their coordinates wide.
+    // At ten million the needles are 180 units in the last place of their coordinates wide.
     sizes: 1..=10_000_000,
     default_size: 4000,
     uses_seed: true,
@@ -32,7 +32,7 @@ const DIAGONALS: [([f32; 3], &str, [f32; 3]); 4] = [
 fn generate(size: u32, seed: u64) -> GeneratedScene {
     let mut random = Random::new(seed);
     // The more needles, the thinner, so that one can still look into the field.
-    let width = 0.4 * (size as f32).powf(-2.0 / 3.0);
+    let width = (size as f32).powf(-2.0 / 3.0);
     let mut meshes: [MeshBuilder; 4] = std::array::from_fn(|_| MeshBuilder::default());
     for (mesh, (diagonal, ..)) in (0..size)
         .zip((0..4).cycle())
@@ -47,7 +47,7 @@ fn generate(size: u32, seed: u64) -> GeneratedScene {
         .collect();
     GeneratedScene {
         parts,
-        view: SuggestedView::new(Vec3::new(1.3, 1.0, 4.6), Vec3::ZERO),
+        view: SuggestedView::new(Vec3::new(1.5, 1.2, 5.4), Vec3::ZERO),
         lights: vec![Vec3::new(4.0, 5.0, 6.0), Vec3::new(-6.0, 3.0, 2.0)],
     }
 }

@@ -14,7 +14,7 @@ pub(super) const RINGS: Recipe = Recipe {
     description: "a pyramid of dodecahedra made of rings",
     size_meaning: "layers of the pyramid",
     sizes: 1..=37,
-    default_size: 5,
+    default_size: 4,
     uses_seed: false,
     triangle_count: |size| {
         let size_64 = u64::from(size);

@@ -18,7 +18,7 @@ pub(super) const SPHEREFLAKE: Recipe = Recipe {
     description: "spheres that carry nine smaller spheres each",
     size_meaning: "generations of spheres after the first",
     sizes: 0..=6,
-    default_size: 4,
+    default_size: 3,
     uses_seed: false,
     triangle_count: flake_triangle_count,
     generate: |size, _seed| scene(vec![flake(size)]),
@@ -29,7 +29,7 @@ pub(super) const BALLS: Recipe = Recipe {
     description: "the sphereflake on a ground plate",
     size_meaning: "generations of spheres after the first",
     sizes: 0..=6,
-    default_size: 4,
+    default_size: 3,
     uses_seed: false,
     triangle_count: |size| flake_triangle_count(size) + GROUND_TRIANGLE_COUNT,
     generate: |size, _seed| {

@@ -41,7 +41,7 @@ fn generate(size: u32, seed: u64) -> GeneratedScene {
         ground(Vec3::Y * -0.3, 4.0 * HALF_WIDTH, "water", [0.05, 0.12, 0.2]).with_mirror(0.35);
     GeneratedScene {
         parts: vec![land.into_part("land", [0.35, 0.42, 0.22]), water],
-        view: SuggestedView::new(Vec3::new(8.0, 9.0, 19.0), Vec3::new(0.0, -0.5, 1.0)),
+        view: SuggestedView::new(Vec3::new(6.8, 13.0, 24.0), Vec3::new(0.0, -0.6, 0.0)),
         lights: vec![Vec3::new(-25.0, 22.0, 5.0)],
     }
 }

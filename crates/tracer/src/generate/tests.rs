@@ -12,7 +12,7 @@ fn mesh(part: &GeneratedPart) -> TriangleMesh {
 /// Small, default and larger sizes, each with its scene.
 fn scenes(generator: Generator) -> impl Iterator<Item = (u32, GeneratedScene)> {
     let smallest = *generator.sizes().start();
-    let larger = generator.size_for_triangles(100_000).unwrap();
+    let larger = generator.size_for_triangles(40_000).unwrap();
     [
         smallest,
         smallest + 1,
@@ -245,4 +245,66 @@ fn the_teapot_faces_outwards_and_stands_upright() {
     let bounds = mesh(teapot).aabb();
     assert_eq!((bounds.min.y, bounds.max.y), (0.0, 3.15));
     assert!(bounds.min.x < -2.9 && bounds.max.x > 3.3);
+}
+
+#[test]
+fn the_view_shows_all_but_the_outskirts_of_the_ground() {
+    const GROUND: [&str; 7] = [
+        "plate",
+        "floor",
+        "street",
+        "lawn",
+        "water",
+        "dark squares",
+        "light squares",
+    ];
+    let mut cut_off = Vec::new();
+    for generator in Generator::ALL {
+        for (size, scene) in scenes(generator) {
+            let parts = scene.parts.iter();
+            for part in parts.filter(|part| !GROUND.contains(&part.name)) {
+                // Land below the water cannot be seen.
+                let is_hidden = |point: &Vec3| part.name == "land" && point.y < -0.3;
+                let points = part.positions.iter().filter(|point| !is_hidden(point));
+                let outermost = points
+                    .map(|&point| distance_from_center(&scene.view, point))
+                    .fold(0.0, f32::max);
+                if outermost >= 1.0 {
+                    cut_off.push((generator, size, part.name, outermost));
+                }
+            }
+        }
+    }
+    assert_eq!(cut_off, []);
+}
+
+/// Where a point is in a picture of 4 to 3: 0 in its middle, 1 on its border, infinite behind the eye.
+fn distance_from_center(view: &SuggestedView, point: Vec3) -> f32 {
+    let forward = (view.target - view.eye).normalize();
+    let right = forward.cross(view.up).normalize();
+    let up = right.cross(forward);
+    let from_eye = point - view.eye;
+    let half_height = (0.5 * view.vertical_fov_degrees).to_radians().tan() * from_eye.dot(forward);
+    if half_height <= 0.0 {
+        return f32::INFINITY;
+    }
+    let x = from_eye.dot(right) / (half_height * 4.0 / 3.0);
+    let y = from_eye.dot(up) / half_height;
+    x.abs().max(y.abs())
+}
+
+#[test]
+fn lights_are_outside_all_parts() {
+    for generator in Generator::ALL {
+        for (size, scene) in scenes(generator) {
+            assert!(!scene.lights.is_empty(), "{generator}");
+            for part in &scene.parts {
+                let bounds = mesh(part).aabb();
+                for light in &scene.lights {
+                    let inside = light.cmpge(bounds.min).all() && light.cmple(bounds.max).all();
+                    assert!(!inside, "{generator} {size} {}: {light}", part.name);
+                }
+            }
+        }
+    }
 }
