@@ -1,7 +1,7 @@
 //! Bounding volume hierarchies for ray casting.
 //!
 //! A BVH is a tree of boxes: each node's box encloses the triangles below it, and a ray visits only the nodes
-//! whose boxes it meets. Each triangle is listed once, so the memory is known before the build (about 100 bytes
+//! whose boxes it meets. Each triangle is listed once, so the memory is known before the build (70 to 105 bytes
 //! per triangle) and the build is short. It is the structure to start with; take the kd-tree where rays are many and the
 //! scene is deep, the BSP tree where splitting planes should follow the polygons.
 //!

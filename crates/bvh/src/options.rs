@@ -67,7 +67,8 @@ impl BvhOptions {
     /// The largest value of [`max_leaf_size`](Self::max_leaf_size).
     pub const MAX_LEAF_SIZE: usize = 255;
 
-    /// The shortest build: 8 bins.
+    /// The shortest build: 8 bins. Measured against the default, a few percent less build time, and up to a sixth
+    /// more node visits per ray (interiors; scans 1 to 2 %).
     #[must_use]
     pub fn fast() -> Self {
         Self {
@@ -91,7 +92,8 @@ impl BvhOptions {
         }
     }
 
-    /// The cheapest tree: 32 bins, and every split is tried in nodes of up to 64 triangles.
+    /// The cheapest tree: 32 bins, and every split is tried in nodes of up to 64 triangles. Measured against the
+    /// default, a quarter more build time and up to 5 % fewer node visits per ray.
     #[must_use]
     pub fn high_quality() -> Self {
         Self {

@@ -54,7 +54,7 @@ pub(crate) enum Link {
 impl BinaryTree {
     /// Builds the tree of a mesh. The options are in range.
     ///
-    /// Cost: O(n log n) time, 32 bytes per triangle and 96 bytes per node that may be needed.
+    /// Cost: O(n log n) time, 128 bytes per triangle.
     pub(crate) fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Self {
         let mut references = collect(mesh.len(), |number| {
             #[expect(
