@@ -34,6 +34,15 @@ pub enum Precision {
 impl Precision {
     /// All precisions, from the fastest to the most careful.
     pub const ALL: [Self; 2] = [Self::Fast, Self::Watertight];
+
+    /// The name on the command line: `fast` or `watertight`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Watertight => "watertight",
+        }
+    }
 }
 
 /// Where a ray meets a triangle.
