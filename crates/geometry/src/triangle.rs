@@ -36,6 +36,13 @@ impl Triangle {
         (b - a).cross(c - a)
     }
 
+    /// Whether the area is zero: the vertices are on a line, as far as f64 can tell. Such a triangle is never hit, so
+    /// structures may leave it out.
+    #[must_use]
+    pub fn is_degenerate(&self) -> bool {
+        self.scaled_normal() == DVec3::ZERO
+    }
+
     /// The area.
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -48,6 +55,39 @@ impl Triangle {
         Aabb {
             min: self.a.min(self.b).min(self.c),
             max: self.a.max(self.b).max(self.c),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Plane;
+
+    #[test]
+    fn triangles_without_area_are_those_without_a_plane() {
+        let on_a_line = Triangle::new(Vec3::ZERO, Vec3::splat(0.1), Vec3::splat(0.3));
+        let point = Triangle::new(Vec3::ONE, Vec3::ONE, Vec3::ONE);
+        let needle = Triangle::new(Vec3::ZERO, Vec3::X * 1e6, Vec3::new(5e5, 1e-3, 0.0));
+        let tiny = Triangle::new(Vec3::ZERO, Vec3::X * 1e-45, Vec3::Y * 1e-45);
+        let huge = Triangle::new(
+            Vec3::splat(f32::MIN),
+            Vec3::X * f32::MAX,
+            Vec3::Y * f32::MAX,
+        );
+        for (triangle, is_degenerate) in [
+            (on_a_line, true),
+            (point, true),
+            (needle, false),
+            (tiny, false),
+            (huge, false),
+        ] {
+            assert_eq!(triangle.is_degenerate(), is_degenerate, "{triangle:?}");
+            assert_eq!(
+                Plane::from_triangle(&triangle).is_none(),
+                is_degenerate,
+                "{triangle:?}"
+            );
         }
     }
 }

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 
 use tahko_bvh::{Bvh, BvhOptions};
 use tahko_geometry::{BruteForce, Precision, RayQuery, TreeStatistics, TriangleMesh};
+use tahko_kdtree::{KdTree, KdTreeOptions};
 use thiserror::Error;
 
 /// The structures to choose from.
@@ -52,6 +53,15 @@ pub struct AcceleratorError {
     source: Box<dyn std::error::Error + Send + Sync>,
 }
 
+impl AcceleratorError {
+    fn new(kind: StructureKind, source: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self {
+            kind,
+            source: Box::new(source),
+        }
+    }
+}
+
 impl Accelerator {
     /// Builds a structure with the current thread pool of rayon.
     ///
@@ -62,10 +72,6 @@ impl Accelerator {
         precision: Precision,
         mesh: &TriangleMesh,
     ) -> Result<Self, AcceleratorError> {
-        let failed = |source| AcceleratorError {
-            kind,
-            source: Box::new(source),
-        };
         let start = Instant::now();
         let (query, statistics): (Box<dyn RayQuery + Send>, _) = match kind {
             StructureKind::Brute => {
@@ -73,9 +79,17 @@ impl Accelerator {
                 let statistics = structure.statistics();
                 (Box::new(structure), statistics)
             }
+            StructureKind::KdTree => {
+                let options = KdTreeOptions::default().with_precision(precision);
+                let structure = KdTree::build(mesh, &options)
+                    .map_err(|source| AcceleratorError::new(kind, source))?;
+                let statistics = structure.statistics();
+                (Box::new(structure), statistics)
+            }
             StructureKind::Bvh => {
                 let options = BvhOptions::default().with_precision(precision);
-                let structure = Bvh::build(mesh, &options).map_err(failed)?;
+                let structure = Bvh::build(mesh, &options)
+                    .map_err(|source| AcceleratorError::new(kind, source))?;
                 let statistics = structure.statistics();
                 (Box::new(structure), statistics)
             }

@@ -80,7 +80,7 @@ impl MollerTrumbore {
         let magnitude = edge1
             .abs()
             .dot(cross_of_magnitudes(direction.abs(), edge2.abs()));
-        if determinant.abs() <= CANCELLATION_LIMIT * magnitude {
+        if determinant.abs() <= CANCELLATION_LIMIT * magnitude || triangle.is_degenerate() {
             return None;
         }
         let from_a = self.origin.as_dvec3() - a;

@@ -90,6 +90,23 @@ fn rays_in_the_plane_and_flat_triangles_do_not_hit() {
 }
 
 #[test]
+fn a_segment_with_area_in_its_rounded_projection_is_not_hit() {
+    for_both(|hit| {
+        // Three points of a line through a point aimed at, from places that make the projections round.
+        for step in 0..2000u16 {
+            let origin = Vec3::new(
+                f32::from(step) * 0.37 - 300.0,
+                7.3,
+                f32::from(step) * 0.11 + 3.1,
+            );
+            let segment = Triangle::new(Vec3::ZERO, Vec3::splat(0.1), Vec3::splat(0.3));
+            let ray = Ray::new(origin, Vec3::splat(0.15) - origin);
+            assert_eq!(hit(&ray, &segment), None, "{ray:?}");
+        }
+    });
+}
+
+#[test]
 fn overflowing_coordinates_are_misses_or_hits_but_never_nan() {
     for_both(|hit| {
         let huge = Triangle::new(Vec3::splat(-3e38), Vec3::X * 3e38, Vec3::Y * 3e38);

@@ -74,6 +74,10 @@ impl TriangleKernel for Woop {
             // Outside, or (all three zero) seen edge-on.
             return None;
         }
+        // A triangle without area may have some in its rounded projection.
+        if triangle.is_degenerate() {
+            return None;
+        }
         self.confirm([a, b, c], t_min, t_max)
     }
 }
