@@ -1,0 +1,145 @@
+//! The build: the thesis' algorithm 2, with a list of tasks in place of recursion.
+//!
+//! At each node a splitting plane is chosen and all polygons are classified against it. Coplanar polygons stay at
+//! the node, whichever way they face; the others go to their side; straddlers are cut or go to both sides. A node becomes
+//! a leaf when it is small enough, when no plane is worth it, or at one of two limits: the depth, and its share
+//! of the budget of references.
+//!
+//! **No triangle is lost.** Cutting decides only which lists name a triangle; hits are tested on the original. So it
+//! is enough that every point of a triangle is near a listed part of it, and every part near the side that it was
+//! put on. Let `u = 2^-53` and `S` the largest coordinate of the mesh; lengths of plane offsets are then at most
+//! `sqrt(3) S` up to rounding, and a computed distance from a plane is off by at most `28 u S`.
+//! - A cut vertex is computed from the edge's ends: its place on the edge rounds by at most `9 u S`, so after `k` cuts a
+//!   point of the triangle is within `9 k u S`, in each direction, of a part that was kept.
+//! - It is off the plane by those, the errors of both distances and that of their quotient: below `47 u S`.
+//! - A vertex counts as coplanar up to [`Plane::rounding_error`], `56 u S`, plus the error of its distance: below
+//!   `84 u S`. The same bound holds for polygons that stay at a node as coplanar.
+//!
+//! So whatever is listed below a side of a plane reaches beyond it by at most `(84 + 16 k) u S`.
+//! [`crossing`](crate::crossing) makes room for that.
+
+mod choose;
+mod random;
+mod subtree;
+mod task;
+
+use tahko_geometry::{Plane, TriangleMesh};
+
+use self::choose::Chooser;
+use self::random::Seed;
+use self::subtree::Place;
+use self::task::{Parts, Task};
+use crate::cell::Cell;
+use crate::node::{BACK, FRONT};
+use crate::piece::Source;
+use crate::{BspOptions, Splitter, parallel};
+
+pub(crate) use self::subtree::Subtree;
+
+/// The most references in a tree: indices of them must fit 32 bits.
+const MAX_REFERENCES: usize = (1 << 31) - 1;
+
+/// Nodes with fewer polygons than this are not worth a thread of their own.
+const PARALLEL_SIZE: usize = 512;
+
+/// Levels on which children may be built at the same time: this bounds the recursion.
+const PARALLEL_LEVELS: usize = 16;
+
+/// Builds the tree of a mesh. References are the triangles' numbers. The options are in range.
+pub(crate) fn build(mesh: &TriangleMesh, options: &BspOptions) -> Subtree {
+    let sources: Vec<Source> = (0u32..)
+        .zip(mesh.triangles())
+        .map(|(number, triangle)| Source::new(&triangle, number))
+        .collect();
+    let planes: Vec<Option<Plane>> = mesh
+        .triangles()
+        .map(|triangle| Plane::from_triangle(&triangle))
+        .collect();
+    let needs_cells = options.splitter == Splitter::SurfaceArea;
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "at least 1 times the number, and cut to the limit below"
+    )]
+    let budget = (options.max_growth * sources.len() as f64) as usize;
+    let root = Task {
+        pieces: sources.iter().map(Source::piece).collect(),
+        cell: needs_cells.then(|| Cell::from_aabb(&mesh.aabb())),
+        depth: 0,
+        seed: Seed::new(options.seed),
+        budget: budget.clamp(sources.len(), MAX_REFERENCES),
+    };
+    let builder = Builder {
+        options,
+        chooser: Chooser {
+            options,
+            planes: &planes,
+        },
+    };
+    builder.build(root, PARALLEL_LEVELS)
+}
+
+struct Builder<'a> {
+    options: &'a BspOptions,
+    chooser: Chooser<'a>,
+}
+
+impl Builder<'_> {
+    /// Builds a subtree, both children of large nodes at the same time. The recursion is `levels` deep.
+    fn build(&self, task: Task<'_>, levels: usize) -> Subtree {
+        if levels == 0 || task.pieces.len() < PARALLEL_SIZE {
+            return self.build_in_order(task);
+        }
+        let mut tree = Subtree::new();
+        let Some((node, [front, back])) = self.add(&mut tree, Place::Root, task) else {
+            return tree;
+        };
+        let (front, back) = parallel::join(
+            || self.build(front, levels - 1),
+            || self.build(back, levels - 1),
+        );
+        tree.add_subtree(Place::Child { node, side: FRONT }, front);
+        tree.add_subtree(Place::Child { node, side: BACK }, back);
+        tree
+    }
+
+    fn build_in_order(&self, root: Task<'_>) -> Subtree {
+        let mut tree = Subtree::new();
+        let mut pending = vec![(root, Place::Root)];
+        while let Some((task, place)) = pending.pop() {
+            if let Some((node, [front, back])) = self.add(&mut tree, place, task) {
+                pending.push((back, Place::Child { node, side: BACK }));
+                pending.push((front, Place::Child { node, side: FRONT }));
+            }
+        }
+        tree
+    }
+
+    /// Adds the node or leaf of a task. For a node, its index and the tasks of its children.
+    fn add<'t>(
+        &self,
+        tree: &mut Subtree,
+        place: Place,
+        task: Task<'t>,
+    ) -> Option<(usize, [Task<'t>; 2])> {
+        let may_split =
+            task.pieces.len() > self.options.max_leaf_size && task.depth < self.options.max_depth;
+        let plane = if may_split {
+            self.chooser.choose(&task)
+        } else {
+            None
+        };
+        let Some(plane) = plane else {
+            tree.add_leaf(place, task.ids());
+            return None;
+        };
+        let Parts {
+            coplanar,
+            children,
+            straddlers,
+        } = task.split(&plane, self.options.straddlers);
+        tree.straddlers += straddlers;
+        let node = tree.add_node(place, plane, coplanar.into_iter());
+        Some((node, children))
+    }
+}

@@ -1,0 +1,251 @@
+//! Convex polytopes: the cells into which splitting planes cut the bounds.
+//!
+//! Cells serve the surface area heuristic and the statistics only. No query depends on them, so their rounding
+//! costs nothing but a slightly different measure of cost.
+
+use tahko_geometry::{Aabb, Plane, glam::DVec3};
+
+/// A convex polytope as its faces, each an outline that is counter-clockwise seen from outside.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Cell {
+    faces: Vec<Vec<DVec3>>,
+}
+
+/// Surface areas of the two parts of a cell, and the area of the cut between them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct PartAreas {
+    pub(crate) front: f64,
+    pub(crate) back: f64,
+    /// The cut, counted once; both parts contain it.
+    pub(crate) cut: f64,
+}
+
+impl Cell {
+    /// The cell that is a box. Flat boxes have faces without area.
+    pub(crate) fn from_aabb(bounds: &Aabb) -> Self {
+        let corners = [bounds.min.as_dvec3(), bounds.max.as_dvec3()];
+        let corner = |bits: usize| {
+            DVec3::new(
+                corners[bits & 1].x,
+                corners[(bits >> 1) & 1].y,
+                corners[(bits >> 2) & 1].z,
+            )
+        };
+        let faces = [
+            [0, 4, 6, 2],
+            [1, 3, 7, 5],
+            [0, 1, 5, 4],
+            [2, 6, 7, 3],
+            [0, 2, 3, 1],
+            [4, 5, 7, 6],
+        ];
+        Self {
+            faces: faces.map(|face| face.map(corner).to_vec()).to_vec(),
+        }
+    }
+
+    /// The area of the surface.
+    pub(crate) fn area(&self) -> f64 {
+        let area = |face: &Vec<DVec3>| vector_area(face.iter().copied()).length();
+        self.faces.iter().map(area).sum()
+    }
+
+    /// The areas of the parts that a plane would cut, without cutting. `area` is that of the whole surface.
+    ///
+    /// The vector areas of a closed surface sum to zero, so the cut's area is the length of the sum over the front parts
+    /// of all faces.
+    pub(crate) fn part_areas(&self, plane: &Plane, area: f64) -> PartAreas {
+        let mut front = 0.0;
+        let mut sum = DVec3::ZERO;
+        for face in &self.faces {
+            let part = vector_area(clipped(face, plane));
+            front += part.length();
+            sum += part;
+        }
+        let cut = sum.length();
+        PartAreas {
+            front: front + cut,
+            back: (area - front).max(0.0) + cut,
+            cut,
+        }
+    }
+
+    /// The parts in front of and behind a plane.
+    pub(crate) fn cut(&self, plane: &Plane) -> [Self; 2] {
+        let front = self.part(plane);
+        let back = self.part(&plane.flipped());
+        [front, back]
+    }
+
+    fn part(&self, plane: &Plane) -> Self {
+        let mut faces = Vec::with_capacity(self.faces.len() + 1);
+        let mut on_cut = Vec::new();
+        for face in &self.faces {
+            let part: Vec<DVec3> = clipped(face, plane).collect();
+            if part.len() >= 3 {
+                on_cut.extend(crossings(face, plane));
+                faces.push(part);
+            }
+        }
+        if let Some(cap) = outline(on_cut, -plane.normal) {
+            faces.push(cap);
+        }
+        Self { faces }
+    }
+}
+
+/// Half the sum of the cross products of a fan: the area in the direction of the front.
+fn vector_area(mut outline: impl Iterator<Item = DVec3>) -> DVec3 {
+    let (Some(first), Some(second)) = (outline.next(), outline.next()) else {
+        return DVec3::ZERO;
+    };
+    let mut before = second - first;
+    let mut sum = DVec3::ZERO;
+    for point in outline {
+        let here = point - first;
+        sum += before.cross(here);
+        before = here;
+    }
+    0.5 * sum
+}
+
+/// The edges of an outline.
+fn edges(outline: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
+    let next = outline.iter().cycle().skip(1);
+    outline
+        .iter()
+        .copied()
+        .zip(next.copied())
+        .take(outline.len())
+}
+
+/// The part of an outline in front of a plane.
+fn clipped(outline: &[DVec3], plane: &Plane) -> impl Iterator<Item = DVec3> {
+    edges(outline).flat_map(|(start, end)| {
+        let kept = (plane.signed_distance(start) >= 0.0).then_some(start);
+        [kept, crossing(start, end, plane)].into_iter().flatten()
+    })
+}
+
+/// The points where an outline crosses a plane.
+fn crossings(outline: &[DVec3], plane: &Plane) -> impl Iterator<Item = DVec3> {
+    edges(outline).filter_map(|(start, end)| {
+        let touching = (plane.signed_distance(start) == 0.0).then_some(start);
+        touching.or_else(|| crossing(start, end, plane))
+    })
+}
+
+fn crossing(start: DVec3, end: DVec3, plane: &Plane) -> Option<DVec3> {
+    let [from, to] = [start, end].map(|point| plane.signed_distance(point));
+    (from * to < 0.0).then(|| start + (end - start) * (from / (from - to)))
+}
+
+/// Points in convex position, ordered counter-clockwise around a normal.
+fn outline(points: Vec<DVec3>, normal: DVec3) -> Option<Vec<DVec3>> {
+    let center = points.iter().copied().sum::<DVec3>() / points.len() as f64;
+    let [x, y] = normal.try_normalize()?.any_orthonormal_pair().into();
+    let mut ordered: Vec<(f64, DVec3)> = points
+        .into_iter()
+        .map(|point| {
+            (
+                pseudo_angle(x.dot(point - center), y.dot(point - center)),
+                point,
+            )
+        })
+        .collect();
+    ordered.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let outline: Vec<DVec3> = ordered.into_iter().map(|(_, point)| point).collect();
+    (outline.len() >= 3).then_some(outline)
+}
+
+/// Grows with the angle of `(x, y)`, from -2 to 2; the same on every platform, as the arc tangent is not.
+fn pseudo_angle(x: f64, y: f64) -> f64 {
+    let sine = y / (x.abs() + y.abs());
+    if x >= 0.0 {
+        sine
+    } else {
+        2.0f64.copysign(y) - sine
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tahko_geometry::glam::Vec3;
+
+    fn cube() -> Cell {
+        Cell::from_aabb(&Aabb::new(Vec3::ZERO, Vec3::ONE))
+    }
+
+    fn plane(point: DVec3, normal: DVec3) -> Plane {
+        Plane::from_point_normal(point, normal).expect("a normal that is not zero")
+    }
+
+    fn assert_close(a: f64, b: f64) {
+        assert!((a - b).abs() < 1e-12, "{a} {b}");
+    }
+
+    #[test]
+    fn a_diagonal_cut_through_a_cube_is_a_rectangle() {
+        let diagonal = plane(DVec3::ZERO, DVec3::new(1.0, -1.0, 0.0));
+        let areas = cube().part_areas(&diagonal, cube().area());
+        let root = 2.0f64.sqrt();
+        assert_close(areas.cut, root);
+        assert_close(areas.front, 3.0 + root);
+        assert_close(areas.back, 3.0 + root);
+    }
+
+    #[test]
+    fn parts_have_the_areas_that_were_announced() {
+        let cuts = [
+            plane(DVec3::splat(0.5), DVec3::ONE),
+            plane(DVec3::new(0.2, 0.9, 0.4), DVec3::new(-0.3, 1.0, 0.2)),
+            plane(DVec3::splat(0.4), DVec3::X),
+            plane(DVec3::splat(0.6), DVec3::new(0.1, -2.0, 5.0)),
+        ];
+        let mut cells = vec![cube()];
+        for cut in cuts {
+            let mut parts = Vec::new();
+            for cell in cells {
+                let announced = cell.part_areas(&cut, cell.area());
+                let [front, back] = cell.cut(&cut);
+                let is_cut = announced.cut > 0.0;
+                if is_cut {
+                    assert_close(front.area(), announced.front);
+                    assert_close(back.area(), announced.back);
+                    parts.extend([front, back]);
+                } else {
+                    parts.push(cell);
+                }
+            }
+            cells = parts;
+        }
+        assert!(cells.len() > 8, "{} parts of the cube", cells.len());
+    }
+
+    #[test]
+    fn a_plane_beside_a_cell_leaves_it_whole() {
+        let beside = plane(DVec3::splat(2.0), DVec3::X);
+        let areas = cube().part_areas(&beside, cube().area());
+        assert_eq!(
+            areas,
+            PartAreas {
+                front: 0.0,
+                back: 6.0,
+                cut: 0.0
+            }
+        );
+        let [front, back] = cube().cut(&beside);
+        assert_close(front.area(), 0.0);
+        assert_close(back.area(), 6.0);
+    }
+
+    #[test]
+    fn a_flat_box_has_two_faces_with_area() {
+        let flat = Cell::from_aabb(&Aabb::new(Vec3::ZERO, Vec3::new(2.0, 3.0, 0.0)));
+        assert_close(flat.area(), 12.0);
+        let areas = flat.part_areas(&plane(DVec3::X, DVec3::X), 12.0);
+        assert_close(areas.front, 6.0);
+        assert_close(areas.cut, 0.0);
+    }
+}

@@ -1,0 +1,109 @@
+//! Where a ray crosses a splitting plane, so that no hit is lost.
+//!
+//! **What has to hold.** A kernel accepts a triangle with a value `t`, and a point `p` of the triangle is within
+//! `REACH * 2^-24 * M` of `P = O + tD` in every coordinate, with `M` the largest coordinate difference between the
+//! origin and the corners of the bounds (see [`tahko_geometry::kernel`]). A part of the triangle near `p` is listed in
+//! some cell. For each plane on the way there, `t` must be in the interval in which the traversal visits that side, or the
+//! plane itself for a triangle that is listed there.
+//!
+//! **In front of a plane with the unit normal `n`** the listed part is, by the [build](crate::build), where the
+//! distance is at least `-(84 + 16 k) u S`, with `u = 2^-53`, `k` cuts and `S` the largest coordinate.
+//! Hence the distance of `P` is at least `-(|n.x| + |n.y| + |n.z|) REACH 2^-24 M - (84 + 16 k) u S`. The traversal computes it as
+//! `s_o + t s_d` with `s_o = n . O + offset` and `s_d = n . D` in f64: the first is off by at most `14 u (|O| + S)`, the
+//! second by `7 u |D|`, in the norm of the largest coordinate, where `t |D|` is about the distance from `O` to `P`,
+//! at most `|O| + S` within the reach. Taken together, with `|n.x| + |n.y| + |n.z| <= sqrt(3)`,
+//!
+//! `E = sqrt(3) * margin + 32 (k + 8) u (|O| + S)`,
+//!
+//! where [`ConservativeRay::margin`] has 8 units of `2^-24 M` to spare, covers all of it twice over: `s_o + t s_d >= -E`
+//! for what is in front, `<= E` for what is behind, and both for what is in the plane. `k` is at most the tree's depth.
+//!
+//! **In lengths of `t`**, with the ray turned so that `s_d >= 0`: the side that the ray comes from is visited up to
+//! `(E - s_o) / s_d`, the other one from `(-E - s_o) / s_d`, and the plane between. Both are computed in f64 and widened by `2^-23` of
+//! themselves before they are rounded to f32, which covers the rounding of both and of the `t` that the kernel returns.
+//!
+//! **Rays along the plane.** For `s_d = 0` the bounds are infinities of the right sign where the origin is beyond `E`, and
+//! enclose everything where it is nearer: the ray visits one side, or both. Zero over zero is NaN, which the
+//! traversal's `min` and `max` ignore: it does not cull. An infinite margin (extreme coordinates) gives
+//! infinite bounds.
+
+use tahko_geometry::{ConservativeRay, Plane, Ray, glam::DVec3};
+
+use crate::node::{BACK, FRONT};
+
+/// A ray prepared for crossing many planes.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PlaneCrosser {
+    origin: DVec3,
+    direction: DVec3,
+    /// `E` of the module's documentation.
+    widening: f64,
+}
+
+/// Where a ray is near a plane: before `start` it is certainly on one side, after `end` certainly on the other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Crossing {
+    /// The side that the ray comes from: [`FRONT`] or [`BACK`].
+    pub(crate) near: usize,
+    pub(crate) start: f32,
+    pub(crate) end: f32,
+}
+
+const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
+
+/// The smallest f32 above zero.
+const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64 / (1u64 << 49) as f64;
+
+impl PlaneCrosser {
+    /// Prepares a ray for a tree with the given depth, over triangles with the given largest coordinate.
+    pub(crate) fn new(
+        ray: &Ray,
+        conservative: &ConservativeRay,
+        depth: usize,
+        largest_coordinate: f64,
+    ) -> Self {
+        let origin = ray.origin.as_dvec3();
+        let size = origin.abs().max_element() + largest_coordinate;
+        let rounding = 32.0 * (depth as f64 + 8.0) * UNIT_ROUNDOFF * size;
+        Self {
+            origin,
+            direction: ray.direction.as_dvec3(),
+            widening: 3.0f64.sqrt() * conservative.margin() + rounding,
+        }
+    }
+
+    /// Where the ray crosses a plane.
+    #[inline]
+    pub(crate) fn cross(&self, plane: &Plane) -> Crossing {
+        let distance = plane.signed_distance(self.origin);
+        let speed = plane.normal.dot(self.direction);
+        let (near, distance) = if speed < 0.0 {
+            (FRONT, -distance)
+        } else {
+            (BACK, distance)
+        };
+        let reciprocal = 1.0 / speed.abs();
+        let start = (-self.widening - distance) * reciprocal;
+        let end = (self.widening - distance) * reciprocal;
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "widened by more than the rounding"
+        )]
+        Crossing {
+            near,
+            start: (start - widening_of(start)) as f32,
+            end: (end + widening_of(end)) as f32,
+        }
+    }
+}
+
+/// Twice the largest error of rounding to f32. Not a number for infinities of either sign would cull nothing,
+/// but lose their sign: these stay.
+#[inline]
+fn widening_of(value: f64) -> f64 {
+    if value.is_finite() {
+        value.abs() * f64::from(f32::EPSILON) + SMALLEST
+    } else {
+        0.0
+    }
+}

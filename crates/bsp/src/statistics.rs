@@ -1,0 +1,119 @@
+//! Statistics of a tree.
+
+use tahko_geometry::{Plane, TreeStatistics};
+
+use crate::cell::Cell;
+use crate::node::{BACK, Child, FRONT, Link, List, ListedTriangle, Node};
+use crate::{BspTree, Straddlers};
+
+/// What is special about a BSP tree.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct BspStatistics {
+    /// How often a polygon was on both sides of a plane.
+    pub straddlers: usize,
+    /// Parts into which polygons were cut: two for each cut. None where straddlers are listed in both children.
+    pub fragments: usize,
+    /// Triangles listed at inner nodes, because they lie in the splitting plane.
+    pub coplanar: usize,
+    /// Inner nodes whose planes are at right angles to an axis.
+    pub axis_planes: usize,
+    /// Leaves with more triangles than [`max_leaf_size`](crate::BspOptions::max_leaf_size): no plane was worth it,
+    /// or a limit was reached.
+    pub large_leaves: usize,
+    /// Triangles in the largest leaf.
+    pub largest_leaf: usize,
+}
+
+impl BspTree {
+    /// What the tree looks like and what a random ray is expected to cost in it.
+    ///
+    /// Leaves without triangles count as nodes, though they take no memory. Probabilities of the cost are ratios of the
+    /// surface areas of the convex cells; triangles in a splitting plane count by the area of the cut. Where the
+    /// bounds have no area (all triangles on a line along an axis), every node counts as visited.
+    /// Cost: O(nodes), some microseconds each.
+    #[must_use]
+    pub fn statistics(&self) -> TreeStatistics {
+        TreeStatistics {
+            primitives: self.triangles.len(),
+            nodes: self.node_count(),
+            leaves: self.nodes.len() + 1,
+            empty_leaves: self.nodes.len() + 1 - self.leaves.len(),
+            depth: self.depth,
+            references: self.references.len(),
+            bytes: size_of::<Self>()
+                + size_of::<Node>() * self.nodes.len()
+                + size_of::<List>() * self.leaves.len()
+                + size_of::<u32>() * self.references.len()
+                + size_of::<ListedTriangle>() * self.triangles.len(),
+            sah_cost: self.sah_cost(),
+        }
+    }
+
+    /// What is special about a BSP tree. Cost: O(nodes).
+    #[must_use]
+    pub fn bsp_statistics(&self) -> BspStatistics {
+        let fragments = match self.options().straddlers {
+            Straddlers::Split => 2 * self.straddlers,
+            Straddlers::ListInBoth => 0,
+        };
+        let leaf_sizes = || self.leaves.iter().map(|leaf| leaf.count as usize);
+        let max_leaf_size = self.options().max_leaf_size;
+        BspStatistics {
+            straddlers: self.straddlers,
+            fragments,
+            coplanar: self
+                .nodes
+                .iter()
+                .map(|node| node.coplanar.count as usize)
+                .sum(),
+            axis_planes: self
+                .nodes
+                .iter()
+                .filter(|node| is_axis_plane(&node.plane))
+                .count(),
+            large_leaves: leaf_sizes().filter(|size| *size > max_leaf_size).count(),
+            largest_leaf: leaf_sizes().max().unwrap_or(0),
+        }
+    }
+
+    fn sah_cost(&self) -> f64 {
+        if self.bounds().is_empty() {
+            return 0.0;
+        }
+        let root = Cell::from_aabb(&self.bounds());
+        let root_area = root.area();
+        let probability = |area: f64| {
+            if root_area > 0.0 {
+                area / root_area
+            } else {
+                1.0
+            }
+        };
+        let mut cost = 0.0;
+        let mut pending: Vec<(Child, Cell)> = vec![(self.root, root)];
+        while let Some((child, cell)) = pending.pop() {
+            let area = cell.area();
+            match child.link() {
+                Link::Empty => {}
+                Link::Leaf(index) => {
+                    cost += probability(area) * f64::from(self.leaves[index].count);
+                }
+                Link::Inner(index) => {
+                    let node = &self.nodes[index];
+                    let cut = cell.part_areas(&node.plane, area).cut;
+                    cost += probability(area) * self.options().traversal_cost
+                        + probability(2.0 * cut) * f64::from(node.coplanar.count);
+                    let [front, back] = cell.cut(&node.plane);
+                    pending.push((node.children[BACK], back));
+                    pending.push((node.children[FRONT], front));
+                }
+            }
+        }
+        cost
+    }
+}
+
+fn is_axis_plane(plane: &Plane) -> bool {
+    plane.normal.abs().max_element() == 1.0
+}

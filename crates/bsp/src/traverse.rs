@@ -1,0 +1,158 @@
+//! The traversal, from the ray's start to its end.
+//!
+//! At each node the ray's interval is divided where it [crosses](crate::crossing) the plane: the side that it comes
+//! from, then the triangles in the plane, then the other side. The parts overlap by the crossing's width. What begins
+//! beyond the best hit is skipped; at the same `t` it may still hold a triangle with a smaller number. A hit that lies
+//! outside the cell in which its triangle was found counts, so the order decides the cost alone.
+
+use std::ops::ControlFlow;
+
+use tahko_geometry::{
+    ConservativeRay, HitCollector, Interval, Precision, Ray, TraversalCounter, Traverse,
+    TriangleKernel, test_triangle,
+};
+
+use crate::BspTree;
+use crate::crossing::{Crossing, PlaneCrosser};
+use crate::node::{Child, Link, List};
+use crate::stack::Stack;
+
+impl Traverse for BspTree {
+    fn precision(&self) -> Precision {
+        self.options().precision
+    }
+
+    fn traverse<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+        &self,
+        ray: &Ray,
+        collector: &mut H,
+        counter: &mut C,
+    ) {
+        let bounds = self.bounds();
+        let conservative = ConservativeRay::new(ray, &bounds, K::REACH);
+        let interval = Interval {
+            start: ray.t_min,
+            end: collector.t_max(),
+        };
+        counter.bound_tests(1);
+        let Some(interval) = conservative.clip(&bounds, interval) else {
+            return;
+        };
+        let query = Query {
+            tree: self,
+            kernel: K::new(ray),
+            crosser: PlaneCrosser::new(ray, &conservative, self.depth(), self.largest_coordinate()),
+            t_min: ray.t_min,
+        };
+        // Broken off or at its end: the collector has the answer.
+        let (ControlFlow::Break(()) | ControlFlow::Continue(())) =
+            query.run(interval, collector, counter);
+    }
+}
+
+struct Query<'a, K> {
+    tree: &'a BspTree,
+    kernel: K,
+    crosser: PlaneCrosser,
+    t_min: f32,
+}
+
+/// A plane and what is behind it as the ray goes, while the nearer side is visited.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Waiting {
+    coplanar: List,
+    far: Child,
+    start: f32,
+    end: f32,
+}
+
+impl Waiting {
+    pub(crate) const NONE: Self = Self {
+        coplanar: List { first: 0, count: 0 },
+        far: Child::EMPTY,
+        start: 0.0,
+        end: 0.0,
+    };
+}
+
+impl<K: TriangleKernel> Query<'_, K> {
+    fn run<H: HitCollector, C: TraversalCounter>(
+        &self,
+        interval: Interval,
+        collector: &mut H,
+        counter: &mut C,
+    ) -> ControlFlow<()> {
+        let mut stack = Stack::new(Waiting::NONE);
+        let mut child = self.tree.root;
+        let Interval { mut start, mut end } = interval;
+        loop {
+            match child.link() {
+                Link::Inner(index) => {
+                    counter.node_visit();
+                    counter.bound_tests(1);
+                    let node = &self.tree.nodes[index];
+                    let Crossing {
+                        near,
+                        start: crossing_start,
+                        end: crossing_end,
+                    } = self.crosser.cross(&node.plane);
+                    let (near, far) = (node.children[near], node.children[1 - near]);
+                    if crossing_start > end {
+                        child = near;
+                    } else if crossing_end < start {
+                        child = far;
+                    } else {
+                        stack.push(Waiting {
+                            coplanar: node.coplanar,
+                            far,
+                            // The other operand where the crossing is NaN.
+                            start: start.max(crossing_start),
+                            end,
+                        });
+                        end = end.min(crossing_end);
+                        child = near;
+                    }
+                    continue;
+                }
+                Link::Leaf(index) => {
+                    counter.node_visit();
+                    self.test(self.tree.leaves[index], collector, counter)?;
+                }
+                Link::Empty => {}
+            }
+            let Some(waiting) = stack.pop() else {
+                return ControlFlow::Continue(());
+            };
+            if waiting.start > collector.t_max() {
+                child = Child::EMPTY;
+                continue;
+            }
+            self.test(waiting.coplanar, collector, counter)?;
+            child = waiting.far;
+            start = waiting.start;
+            end = waiting.end.min(collector.t_max());
+        }
+    }
+
+    /// Tests the triangles of a list.
+    #[inline]
+    fn test<H: HitCollector, C: TraversalCounter>(
+        &self,
+        list: List,
+        collector: &mut H,
+        counter: &mut C,
+    ) -> ControlFlow<()> {
+        for reference in &self.tree.references[list.range()] {
+            let listed = &self.tree.triangles[*reference as usize];
+            counter.triangle_tests(1);
+            test_triangle(
+                &self.kernel,
+                self.t_min,
+                &listed.triangle,
+                listed.number,
+                collector,
+            )?;
+        }
+        ControlFlow::Continue(())
+    }
+}
