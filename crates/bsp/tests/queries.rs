@@ -27,7 +27,7 @@ fn parallel_rays(mesh: &tahko_geometry::TriangleMesh) -> Vec<Ray> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(100))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn all_trees_answer_like_brute_force(

@@ -3,7 +3,7 @@
 use tahko_bsp::{BspOptions, BspTree, Candidates, Splitter, SplittingPlanes, Straddlers};
 use tahko_geometry::TriangleMesh;
 
-pub const SPLITTERS: [Splitter; 6] = [
+pub(crate) const SPLITTERS: [Splitter; 6] = [
     Splitter::First,
     Splitter::Random,
     Splitter::MostBalanced,
@@ -13,7 +13,7 @@ pub const SPLITTERS: [Splitter; 6] = [
 ];
 
 /// Small leaves, every splitter, both treatments of straddlers, and every set of planes and candidates at least once.
-pub fn all_options() -> Vec<BspOptions> {
+pub(crate) fn all_options() -> Vec<BspOptions> {
     let mut all = vec![
         BspOptions::fast(),
         BspOptions::balanced(),
@@ -36,6 +36,6 @@ pub fn all_options() -> Vec<BspOptions> {
     all
 }
 
-pub fn build(mesh: &TriangleMesh, options: &BspOptions) -> BspTree {
+pub(crate) fn build(mesh: &TriangleMesh, options: &BspOptions) -> BspTree {
     BspTree::build(mesh, options).expect("options in range")
 }
