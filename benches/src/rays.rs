@@ -103,7 +103,7 @@ fn aimed(scene: &Scene, count: usize) -> Vec<Ray> {
         .collect()
 }
 
-/// SplitMix64 (Steele, Lea, Flood 2014).
+/// `SplitMix64` (Steele, Lea, Flood 2014).
 struct Random {
     state: u64,
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 use std::time::{Duration, Instant};
 
+use tahko_bsp::{BspOptions, BspTree};
 use tahko_bvh::{Bvh, BvhOptions};
 use tahko_geometry::{BruteForce, Precision, RayQuery, TreeStatistics, TriangleMesh};
 use tahko_kdtree::{KdTree, KdTreeOptions};
@@ -93,7 +94,13 @@ impl Accelerator {
                 let statistics = structure.statistics();
                 (Box::new(structure), statistics)
             }
-            _ => unreachable!("to come"),
+            StructureKind::Bsp => {
+                let options = BspOptions::default().with_precision(precision);
+                let structure = BspTree::build(mesh, &options)
+                    .map_err(|source| AcceleratorError::new(kind, source))?;
+                let statistics = structure.statistics();
+                (Box::new(structure), statistics)
+            }
         };
         Ok(Self {
             query,
