@@ -1,5 +1,6 @@
 //! Reads scenes from files: RON, glTF and GLB, OBJ with MTL, PLY, STL.
 
+mod gltf;
 mod ron;
 
 use std::io;
@@ -59,6 +60,7 @@ impl Import {
     pub(crate) fn file(&mut self, path: &Path) -> Result<(), LoadError> {
         let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
         match extension.to_str() {
+            Some("gltf" | "glb") => gltf::read(path, self),
             Some("ron") => ron::read(path, self),
             _ => Err(LoadError::unsupported(
                 path,
