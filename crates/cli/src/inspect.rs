@@ -15,7 +15,7 @@ use crate::terminal::{Terminal, printable};
 pub(crate) fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<()> {
     let progress = terminal.progress();
     let path = &arguments.scene;
-    progress.phase(format!("reading {}", path.display()));
+    progress.phase(&format!("reading {}", path.display()));
     let (scene, notes) = load_scene(path)?;
     terminal.notes(&notes);
     let mut report = SceneReport::new(path.display().to_string(), &scene, &notes);

@@ -7,6 +7,8 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::terminal::printable;
+
 /// How often the line is drawn.
 const INTERVAL: Duration = Duration::from_millis(100);
 
@@ -28,17 +30,16 @@ impl Progress {
     }
 
     /// Shows that something of unknown length is going on.
-    pub(crate) fn phase(&self, name: String) {
-        self.start("{spinner} {msg} {elapsed}", name);
+    pub(crate) fn phase(&self, name: &str) {
         self.bar.unset_length();
+        self.start("{spinner} {msg} {elapsed}", name);
     }
 
     /// Shows how much of `total` is done, and the time left.
     pub(crate) fn count(&self, name: &str, total: u64) {
         let template = "{msg} [{bar:40}] {percent}% {elapsed}, {eta} left";
-        self.start(template, name.to_owned());
         self.bar.set_length(total);
-        self.bar.reset();
+        self.start(template, name);
     }
 
     /// Sets how much is done.
@@ -79,11 +80,11 @@ impl Progress {
         self.bar.finish_and_clear();
     }
 
-    fn start(&self, template: &str, message: String) {
+    fn start(&self, template: &str, message: &str) {
         let style = ProgressStyle::with_template(template).expect("the template is valid");
         self.bar.set_style(style.progress_chars("=> "));
+        self.bar.set_message(printable(message));
         self.bar.reset();
-        self.bar.set_message(message);
         self.bar.enable_steady_tick(INTERVAL);
     }
 }

@@ -34,7 +34,7 @@ pub(crate) fn run(arguments: &QueryArguments, terminal: &Terminal) -> Result<()>
         output::check(&arguments.out, &[&arguments.mesh, &arguments.rays])?;
     }
     let (reader, size) = RayReader::open(&arguments.rays)?;
-    progress.phase(format!("reading {}", arguments.mesh.display()));
+    progress.phase(&format!("reading {}", arguments.mesh.display()));
     let (mesh, report) = load_mesh(&arguments.mesh)?;
     terminal.notes(&report);
     let (accel, precision) = (arguments.accel, arguments.precision);
@@ -42,7 +42,7 @@ pub(crate) fn run(arguments: &QueryArguments, terminal: &Terminal) -> Result<()>
 
     match size {
         Some(bytes) => progress.count("querying", bytes),
-        None => progress.phase("querying".to_owned()),
+        None => progress.phase("querying"),
     }
     let start = Instant::now();
     let rays = RayStream::start(reader);
@@ -52,6 +52,7 @@ pub(crate) fn run(arguments: &QueryArguments, terminal: &Terminal) -> Result<()>
     } else {
         output::write_file(&arguments.out, write)?
     };
+    progress.clear();
     terminal.summary(&format!(
         "{} triangles, {} built in {:.3} s, {} of {} rays hit, read and answered in {:.3} s",
         mesh.len(),

@@ -18,14 +18,14 @@ use crate::{interrupt, output};
 pub(crate) fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<()> {
     check_outputs(arguments)?;
     let progress = terminal.progress();
-    progress.phase(format!("reading {}", arguments.scene.display()));
+    progress.phase(&format!("reading {}", arguments.scene.display()));
     let (scene, report) = load_scene(&arguments.scene)?;
     terminal.notes(&report);
     let (accel, precision) = (arguments.accel, arguments.precision);
     let accelerator = structure::build(accel, precision, scene.mesh(), &arguments.scene, progress)?;
     let (film, traced) = trace(arguments, terminal, &scene, &accelerator)?;
 
-    progress.phase(format!("writing {}", arguments.output.display()));
+    progress.phase(&format!("writing {}", arguments.output.display()));
     let structure = StructureReport::new(accel, &accelerator);
     interrupt::shielded(|| film.save(&arguments.output, scene.exposure()))?;
     if let Some(path) = &arguments.stats {
@@ -35,6 +35,7 @@ pub(crate) fn run(arguments: &RenderArguments, terminal: &Terminal) -> Result<()
             Ok(writeln!(writer, "{text}")?)
         })?;
     }
+    progress.clear();
     terminal.summary(&format!(
         "{}: {} triangles, {} built in {:.3} s, {} rays traced in {:.3} s",
         arguments.output.display(),

@@ -18,7 +18,7 @@ pub(crate) fn build(
     progress: &Progress,
 ) -> Result<Accelerator> {
     let name = kind.name();
-    progress.phase(format!("building {name} over {} triangles", mesh.len()));
+    progress.phase(&format!("building {name} over {} triangles", mesh.len()));
     Accelerator::build(kind, precision, mesh)
         .map_err(|source| anyhow!("{}: {source}", path.display()))
 }
