@@ -5,10 +5,30 @@
 
 use tahko_geometry::{Aabb, Plane, glam::DVec3};
 
-/// A convex polytope as its faces, each an outline that is counter-clockwise seen from outside.
+/// A convex polytope as its faces; or a convex polygon, as two faces back to back.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Cell {
-    faces: Vec<Vec<DVec3>>,
+    faces: Vec<Face>,
+}
+
+/// An outline that is counter-clockwise seen from outside.
+#[derive(Clone, Debug, PartialEq)]
+struct Face {
+    outline: Vec<DVec3>,
+    /// The area in the direction of the front, and its length.
+    vector_area: DVec3,
+    area: f64,
+}
+
+impl Face {
+    fn new(outline: Vec<DVec3>) -> Self {
+        let vector_area = vector_area(outline.iter().copied());
+        Self {
+            outline,
+            vector_area,
+            area: vector_area.length(),
+        }
+    }
 }
 
 /// Surface areas of the two parts of a cell, and the area of the cut between them.
@@ -40,14 +60,15 @@ impl Cell {
             [4, 5, 7, 6],
         ];
         Self {
-            faces: faces.map(|face| face.map(corner).to_vec()).to_vec(),
+            faces: faces
+                .map(|face| Face::new(face.map(corner).to_vec()))
+                .to_vec(),
         }
     }
 
     /// The area of the surface.
     pub(crate) fn area(&self) -> f64 {
-        let area = |face: &Vec<DVec3>| vector_area(face.iter().copied()).length();
-        self.faces.iter().map(area).sum()
+        self.faces.iter().map(|face| face.area).sum()
     }
 
     /// The areas of the parts that a plane would cut, without cutting. `area` is that of the whole surface.
@@ -58,9 +79,21 @@ impl Cell {
         let mut front = 0.0;
         let mut sum = DVec3::ZERO;
         for face in &self.faces {
-            let part = vector_area(clipped(face, plane));
-            front += part.length();
-            sum += part;
+            let distances = face
+                .outline
+                .iter()
+                .map(|point| plane.signed_distance(*point));
+            let (least, most) = distances.fold((f64::INFINITY, f64::NEG_INFINITY), |range, d| {
+                (range.0.min(d), range.1.max(d))
+            });
+            if least >= 0.0 {
+                front += face.area;
+                sum += face.vector_area;
+            } else if most > 0.0 {
+                let part = vector_area(clipped(&face.outline, plane));
+                front += part.length();
+                sum += part;
+            }
         }
         let cut = sum.length();
         PartAreas {
@@ -70,26 +103,38 @@ impl Cell {
         }
     }
 
-    /// The parts in front of and behind a plane.
-    pub(crate) fn cut(&self, plane: &Plane) -> [Self; 2] {
-        let front = self.part(plane);
-        let back = self.part(&plane.flipped());
-        [front, back]
+    /// The parts in front of and behind a plane, and the cut between them.
+    pub(crate) fn cut(&self, plane: &Plane) -> [Self; 3] {
+        let on_cut = self
+            .faces
+            .iter()
+            .flat_map(|face| crossings(&face.outline, plane));
+        let section = outline(on_cut.collect(), plane.normal);
+        let reversed = |points: &[DVec3]| points.iter().rev().copied().collect();
+        let [front_cap, back_cap] = match section {
+            Some(section) => [
+                Some(Face::new(reversed(&section))),
+                Some(Face::new(section)),
+            ],
+            None => [None, None],
+        };
+        let caps = front_cap.iter().chain(&back_cap).cloned().collect();
+        [
+            self.part(plane, front_cap),
+            self.part(&plane.flipped(), back_cap),
+            Self { faces: caps },
+        ]
     }
 
-    fn part(&self, plane: &Plane) -> Self {
+    fn part(&self, plane: &Plane, cap: Option<Face>) -> Self {
         let mut faces = Vec::with_capacity(self.faces.len() + 1);
-        let mut on_cut = Vec::new();
         for face in &self.faces {
-            let part: Vec<DVec3> = clipped(face, plane).collect();
+            let part: Vec<DVec3> = clipped(&face.outline, plane).collect();
             if part.len() >= 3 {
-                on_cut.extend(crossings(face, plane));
-                faces.push(part);
+                faces.push(Face::new(part));
             }
         }
-        if let Some(cap) = outline(on_cut, -plane.normal) {
-            faces.push(cap);
-        }
+        faces.extend(cap);
         Self { faces }
     }
 }
@@ -208,11 +253,12 @@ mod tests {
             let mut parts = Vec::new();
             for cell in cells {
                 let announced = cell.part_areas(&cut, cell.area());
-                let [front, back] = cell.cut(&cut);
+                let [front, back, section] = cell.cut(&cut);
                 let is_cut = announced.cut > 0.0;
                 if is_cut {
                     assert_close(front.area(), announced.front);
                     assert_close(back.area(), announced.back);
+                    assert_close(section.area(), 2.0 * announced.cut);
                     parts.extend([front, back]);
                 } else {
                     parts.push(cell);
@@ -235,9 +281,10 @@ mod tests {
                 cut: 0.0
             }
         );
-        let [front, back] = cube().cut(&beside);
+        let [front, back, section] = cube().cut(&beside);
         assert_close(front.area(), 0.0);
         assert_close(back.area(), 6.0);
+        assert_close(section.area(), 0.0);
     }
 
     #[test]

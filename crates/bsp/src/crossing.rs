@@ -27,9 +27,10 @@
 //! traversal's `min` and `max` ignore: it does not cull. An infinite margin (extreme coordinates) gives
 //! infinite bounds.
 
-use tahko_geometry::{ConservativeRay, Plane, Ray, glam::DVec3};
+use tahko_geometry::{Aabb, ConservativeRay, Plane, Ray, glam::DVec3};
 
 use crate::node::{BACK, FRONT};
+use crate::tree::largest_coordinates;
 
 /// A ray prepared for crossing many planes.
 #[derive(Clone, Copy, Debug)]
@@ -55,15 +56,15 @@ const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;
 const SMALLEST: f64 = 1.0 / (1u128 << 100) as f64 / (1u64 << 49) as f64;
 
 impl PlaneCrosser {
-    /// Prepares a ray for a tree with the given depth, over triangles with the given largest coordinate.
+    /// Prepares a ray for a tree with the given depth and bounds.
     pub(crate) fn new(
         ray: &Ray,
         conservative: &ConservativeRay,
         depth: usize,
-        largest_coordinate: f64,
+        bounds: &Aabb,
     ) -> Self {
         let origin = ray.origin.as_dvec3();
-        let size = origin.abs().max_element() + largest_coordinate;
+        let size = origin.abs().max_element() + largest_coordinates(bounds).max_element();
         let rounding = 32.0 * (depth as f64 + 8.0) * UNIT_ROUNDOFF * size;
         Self {
             origin,

@@ -44,6 +44,7 @@
 mod build;
 mod cell;
 mod crossing;
+mod divider;
 mod node;
 mod options;
 mod parallel;

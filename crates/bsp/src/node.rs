@@ -7,21 +7,22 @@ use tahko_geometry::{Plane, Triangle};
 /// | bytes | field | meaning |
 /// |---|---|---|
 /// | 0..32 | `plane` | the splitting plane, four f64 |
-/// | 32..40 | `children` | what is in front of it, what is behind it |
-/// | 40..48 | `coplanar` | the triangles that lie in it |
+/// | 32..44 | `children` | what is in front of it, what is behind it, and what lies in it |
+/// | 44..48 | | unused |
 ///
 /// A tree over no triangles has an empty child for a root; one triangle makes a root that is a leaf.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Node {
     pub(crate) plane: Plane,
-    pub(crate) children: [Child; 2],
-    pub(crate) coplanar: List,
+    pub(crate) children: [Child; 3],
 }
 
 /// Place of the child in front in [`Node::children`].
 pub(crate) const FRONT: usize = 0;
 /// Place of the child behind.
 pub(crate) const BACK: usize = 1;
+/// Place of the child whose polygons lie in the splitting plane.
+pub(crate) const IN_PLANE: usize = 2;
 
 /// A part of the list of references.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,7 +53,7 @@ pub(crate) struct ListedTriangle {
 
 const _: () = assert!(
     size_of::<Node>() == 48 && align_of::<Node>() == 8,
-    "no padding"
+    "four bytes of padding"
 );
 const _: () = assert!(size_of::<ListedTriangle>() == 40, "no padding");
 

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use tahko_geometry::{Plane, Polygon, Side, Split, Triangle, glam::DVec3};
+use tahko_geometry::{Plane, Polygon, Split, Triangle, glam::DVec3};
 
 use crate::Straddlers;
 
@@ -64,17 +64,6 @@ impl Piece<'_> {
             Self::Polygon(polygon) => polygon.vertices(),
             Self::Flat(flat) => &flat.vertices,
         }
-    }
-
-    pub(crate) fn side_of(&self, plane: &Plane) -> Side {
-        let mut side = Side::Coplanar;
-        for vertex in self.vertices() {
-            side = side.joined_with(plane.side_of(*vertex));
-            if side == Side::Spanning {
-                break;
-            }
-        }
-        side
     }
 
     /// What goes to the front and to the back of a plane on which the piece is on both sides.

@@ -3,7 +3,7 @@
 use tahko_geometry::{Plane, TreeStatistics};
 
 use crate::cell::Cell;
-use crate::node::{BACK, Child, FRONT, Link, List, ListedTriangle, Node};
+use crate::node::{Child, Link, List, ListedTriangle, Node};
 use crate::{BspTree, Straddlers};
 
 /// What is special about a BSP tree.
@@ -14,7 +14,7 @@ pub struct BspStatistics {
     pub straddlers: usize,
     /// Parts into which polygons were cut: two for each cut. None where straddlers are listed in both children.
     pub fragments: usize,
-    /// Triangles listed at inner nodes, because they lie in the splitting plane.
+    /// Polygons and parts of them that lie in a splitting plane.
     pub coplanar: usize,
     /// Inner nodes whose planes are at right angles to an axis.
     pub axis_planes: usize,
@@ -29,7 +29,7 @@ impl BspTree {
     /// What the tree looks like and what a random ray is expected to cost in it.
     ///
     /// Leaves without triangles count as nodes, though they take no memory. Probabilities of the cost are ratios of the
-    /// surface areas of the convex cells; triangles in a splitting plane count by the area of the cut. Where the
+    /// surface areas of the convex cells; the cell of what lies in a splitting plane is the cut, with two sides. Where the
     /// bounds have no area (all triangles on a line along an axis), every node counts as visited.
     /// Cost: O(nodes), some microseconds each.
     #[must_use]
@@ -37,8 +37,8 @@ impl BspTree {
         TreeStatistics {
             primitives: self.triangles.len(),
             nodes: self.node_count(),
-            leaves: self.nodes.len() + 1,
-            empty_leaves: self.nodes.len() + 1 - self.leaves.len(),
+            leaves: self.leaves.len() + self.empty_leaf_count(),
+            empty_leaves: self.empty_leaf_count(),
             depth: self.depth,
             references: self.references.len(),
             bytes: size_of::<Self>()
@@ -62,11 +62,7 @@ impl BspTree {
         BspStatistics {
             straddlers: self.straddlers,
             fragments,
-            coplanar: self
-                .nodes
-                .iter()
-                .map(|node| node.coplanar.count as usize)
-                .sum(),
+            coplanar: self.coplanar,
             axis_planes: self
                 .nodes
                 .iter()
@@ -101,12 +97,8 @@ impl BspTree {
                 }
                 Link::Inner(index) => {
                     let node = &self.nodes[index];
-                    let cut = cell.part_areas(&node.plane, area).cut;
-                    cost += probability(area) * self.options().traversal_cost
-                        + probability(2.0 * cut) * f64::from(node.coplanar.count);
-                    let [front, back] = cell.cut(&node.plane);
-                    pending.push((node.children[BACK], back));
-                    pending.push((node.children[FRONT], front));
+                    cost += probability(area) * self.options().traversal_cost;
+                    pending.extend(node.children.into_iter().zip(cell.cut(&node.plane)));
                 }
             }
         }

@@ -1,7 +1,7 @@
 //! The traversal, from the ray's start to its end.
 //!
 //! At each node the ray's interval is divided where it [crosses](crate::crossing) the plane: the side that it comes
-//! from, then the triangles in the plane, then the other side. The parts overlap by the crossing's width. What begins
+//! from, then what lies in the plane, then the other side. The parts overlap by the crossing's width. What begins
 //! beyond the best hit is skipped; at the same `t` it may still hold a triangle with a smaller number. A hit that lies
 //! outside the cell in which its triangle was found counts, so the order decides the cost alone.
 
@@ -13,8 +13,8 @@ use tahko_geometry::{
 };
 
 use crate::BspTree;
-use crate::crossing::{Crossing, PlaneCrosser};
-use crate::node::{Child, Link, List};
+use crate::crossing::PlaneCrosser;
+use crate::node::{Child, IN_PLANE, Link, List};
 use crate::stack::Stack;
 
 impl Traverse for BspTree {
@@ -41,7 +41,7 @@ impl Traverse for BspTree {
         let query = Query {
             tree: self,
             kernel: K::new(ray),
-            crosser: PlaneCrosser::new(ray, &conservative, self.depth(), self.largest_coordinate()),
+            crosser: PlaneCrosser::new(ray, &conservative, self.depth(), &bounds),
             t_min: ray.t_min,
         };
         // Broken off or at its end: the collector has the answer.
@@ -57,19 +57,17 @@ struct Query<'a, K> {
     t_min: f32,
 }
 
-/// A plane and what is behind it as the ray goes, while the nearer side is visited.
+/// A child that waits while what is nearer is visited, and the ray's interval in it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Waiting {
-    coplanar: List,
-    far: Child,
+struct Waiting {
+    child: Child,
     start: f32,
     end: f32,
 }
 
 impl Waiting {
-    pub(crate) const NONE: Self = Self {
-        coplanar: List { first: 0, count: 0 },
-        far: Child::EMPTY,
+    const NONE: Self = Self {
+        child: Child::EMPTY,
         start: 0.0,
         end: 0.0,
     };
@@ -91,27 +89,30 @@ impl<K: TriangleKernel> Query<'_, K> {
                     counter.node_visit();
                     counter.bound_tests(1);
                     let node = &self.tree.nodes[index];
-                    let Crossing {
-                        near,
-                        start: crossing_start,
-                        end: crossing_end,
-                    } = self.crosser.cross(&node.plane);
-                    let (near, far) = (node.children[near], node.children[1 - near]);
-                    if crossing_start > end {
+                    let crossing = self.crosser.cross(&node.plane);
+                    let near = node.children[crossing.near];
+                    let far = node.children[1 - crossing.near];
+                    if crossing.start > end {
                         child = near;
-                    } else if crossing_end < start {
-                        child = far;
-                    } else {
-                        stack.push(Waiting {
-                            coplanar: node.coplanar,
-                            far,
-                            // The other operand where the crossing is NaN.
-                            start: start.max(crossing_start),
-                            end,
-                        });
-                        end = end.min(crossing_end);
-                        child = near;
+                        continue;
                     }
+                    if crossing.end < start {
+                        child = far;
+                        continue;
+                    }
+                    // Minimum and maximum are the other operand where the crossing is NaN.
+                    let far_start = start.max(crossing.start);
+                    let near_end = end.min(crossing.end);
+                    let in_plane = node.children[IN_PLANE];
+                    for (child, start, end) in
+                        [(far, far_start, end), (in_plane, far_start, near_end)]
+                    {
+                        if child != Child::EMPTY {
+                            stack.push(Waiting { child, start, end });
+                        }
+                    }
+                    child = near;
+                    end = near_end;
                     continue;
                 }
                 Link::Leaf(index) => {
@@ -120,17 +121,17 @@ impl<K: TriangleKernel> Query<'_, K> {
                 }
                 Link::Empty => {}
             }
-            let Some(waiting) = stack.pop() else {
-                return ControlFlow::Continue(());
-            };
-            if waiting.start > collector.t_max() {
-                child = Child::EMPTY;
-                continue;
+            child = Child::EMPTY;
+            while child == Child::EMPTY {
+                let Some(waiting) = stack.pop() else {
+                    return ControlFlow::Continue(());
+                };
+                if waiting.start <= collector.t_max() {
+                    child = waiting.child;
+                    start = waiting.start;
+                    end = waiting.end.min(collector.t_max());
+                }
             }
-            self.test(waiting.coplanar, collector, counter)?;
-            child = waiting.far;
-            start = waiting.start;
-            end = waiting.end.min(collector.t_max());
         }
     }
 

@@ -1,9 +1,9 @@
 //! The public type.
 
-use tahko_geometry::{Aabb, TriangleMesh};
+use tahko_geometry::{Aabb, TriangleMesh, glam::DVec3};
 
 use crate::build::{self, Subtree};
-use crate::node::{Child, List, ListedTriangle, Node};
+use crate::node::{Child, IN_PLANE, List, ListedTriangle, Node};
 use crate::{BspOptions, BuildError};
 
 /// A BSP tree over the triangles of a mesh.
@@ -23,8 +23,9 @@ pub struct BspTree {
     pub(crate) depth: usize,
     /// How often a polygon was on both sides of a plane.
     pub(crate) straddlers: usize,
+    /// How often a polygon was in a splitting plane for the first time.
+    pub(crate) coplanar: usize,
     bounds: Aabb,
-    largest_coordinate: f64,
     options: BspOptions,
 }
 
@@ -50,13 +51,8 @@ impl BspTree {
             leaves,
             references,
             straddlers,
+            coplanar,
         } = tree;
-        let bounds = mesh.aabb();
-        let largest_coordinate = if bounds.is_empty() {
-            0.0
-        } else {
-            f64::from(bounds.min.abs().max(bounds.max.abs()).max_element())
-        };
         Ok(Self {
             root,
             nodes,
@@ -65,8 +61,8 @@ impl BspTree {
             triangles,
             depth,
             straddlers,
-            bounds,
-            largest_coordinate,
+            coplanar,
+            bounds: mesh.aabb(),
             options: options.clone(),
         })
     }
@@ -83,22 +79,28 @@ impl BspTree {
         self.bounds
     }
 
-    /// The number of nodes, leaves included, those without triangles too.
+    /// The number of nodes, leaves included, and also the leaves without triangles, which take no memory.
+    ///
+    /// A node has two sides; what lies in its plane is a third child where there is something.
+    /// Cost: O(nodes).
     #[must_use]
-    pub const fn node_count(&self) -> usize {
-        // Every node has two children.
-        2 * self.nodes.len() + 1
+    pub fn node_count(&self) -> usize {
+        self.nodes.len() + self.leaves.len() + self.empty_leaf_count()
+    }
+
+    pub(crate) fn empty_leaf_count(&self) -> usize {
+        let sides = self
+            .nodes
+            .iter()
+            .flat_map(|node| &node.children[..IN_PLANE]);
+        let links = sides.chain([&self.root]);
+        links.filter(|child| **child == Child::EMPTY).count()
     }
 
     /// Nodes on the longest way from the root to a leaf, both included.
     #[must_use]
     pub const fn depth(&self) -> usize {
         self.depth
-    }
-
-    /// The largest absolute coordinate of a vertex.
-    pub(crate) const fn largest_coordinate(&self) -> f64 {
-        self.largest_coordinate
     }
 }
 
@@ -126,4 +128,13 @@ fn in_order_of_reference(mesh: &TriangleMesh, references: &mut [u32]) -> Vec<Lis
         *reference = *place;
     }
     triangles
+}
+
+/// The largest absolute coordinate of points in a box along each axis; zero for the empty box.
+pub(crate) fn largest_coordinates(bounds: &Aabb) -> DVec3 {
+    if bounds.is_empty() {
+        DVec3::ZERO
+    } else {
+        bounds.min.abs().max(bounds.max.abs()).as_dvec3()
+    }
 }

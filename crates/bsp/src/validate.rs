@@ -4,8 +4,10 @@ use tahko_geometry::{Plane, Side};
 use thiserror::Error;
 
 use crate::BspTree;
-use crate::node::{BACK, Child, FRONT, Link, List};
+use crate::divider::Divider;
+use crate::node::{BACK, Child, FRONT, IN_PLANE, Link, List};
 use crate::piece::{Piece, Source};
+use crate::tree::largest_coordinates;
 
 /// What is wrong with a tree. Nodes and leaves are numbered by their places in memory, apart from each other.
 #[derive(Clone, Debug, PartialEq, Error)]
@@ -56,7 +58,7 @@ pub enum ValidationError {
     NotListed {
         /// Number of the triangle in the mesh.
         triangle: usize,
-        /// The leaf or the plane.
+        /// The leaf.
         place: Place,
     },
     /// There are more references than places where triangles are.
@@ -83,10 +85,8 @@ pub enum ValidationError {
 pub enum Place {
     /// The leaf with a number.
     Leaf(usize),
-    /// The leaf without triangles below a node.
+    /// A leaf without triangles.
     EmptyLeaf,
-    /// The plane of the node with a number.
-    Plane(usize),
 }
 
 impl std::fmt::Display for Place {
@@ -94,7 +94,6 @@ impl std::fmt::Display for Place {
         match self {
             Self::Leaf(number) => write!(formatter, "leaf {number}"),
             Self::EmptyLeaf => write!(formatter, "an empty leaf"),
-            Self::Plane(number) => write!(formatter, "the plane of node {number}"),
         }
     }
 }
@@ -118,7 +117,6 @@ impl BspTree {
                     plane: node.plane,
                 });
             }
-            self.check_list(node.coplanar)?;
         }
         for leaf in &self.leaves {
             self.check_list(*leaf)?;
@@ -193,6 +191,7 @@ impl BspTree {
 
     /// Sends a triangle down the tree. The number of lists that it belongs to.
     fn check_parts(&self, whole: Piece<'_>, triangle: usize) -> Result<usize, ValidationError> {
+        let largest = largest_coordinates(&self.bounds());
         let mut places = 0;
         let mut pending: Vec<(Child, Piece<'_>)> = vec![(self.root, whole)];
         while let Some((child, piece)) = pending.pop() {
@@ -201,45 +200,26 @@ impl BspTree {
                 Link::Leaf(index) => (self.leaves[index], Place::Leaf(index)),
                 Link::Inner(index) => {
                     let node = &self.nodes[index];
-                    match piece.side_of(&node.plane) {
+                    let divider = Divider::new(node.plane, largest);
+                    match divider.side_of(piece.vertices()) {
                         Side::Front => pending.push((node.children[FRONT], piece)),
                         Side::Back => pending.push((node.children[BACK], piece)),
+                        Side::Coplanar => pending.push((node.children[IN_PLANE], piece)),
                         Side::Spanning => {
                             let parts = piece.parts(&node.plane, self.options().straddlers);
                             let parts = node.children.into_iter().zip(parts);
                             pending.extend(parts.filter_map(|(child, part)| Some((child, part?))));
                         }
-                        Side::Coplanar => {
-                            self.check_listed(
-                                node.coplanar,
-                                &piece,
-                                triangle,
-                                Place::Plane(index),
-                            )?;
-                            places += 1;
-                        }
                     }
                     continue;
                 }
             };
-            self.check_listed(list, &piece, triangle, place)?;
+            if !self.references[list.range()].contains(&piece.id()) {
+                return Err(ValidationError::NotListed { triangle, place });
+            }
             places += 1;
         }
         Ok(places)
-    }
-
-    fn check_listed(
-        &self,
-        list: List,
-        piece: &Piece<'_>,
-        triangle: usize,
-        place: Place,
-    ) -> Result<(), ValidationError> {
-        if self.references[list.range()].contains(&piece.id()) {
-            Ok(())
-        } else {
-            Err(ValidationError::NotListed { triangle, place })
-        }
     }
 }
 

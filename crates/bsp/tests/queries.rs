@@ -169,7 +169,7 @@ fn counts_tell_what_a_traversal_did() {
         .with_candidates(tahko_bsp::Candidates::All)
         .with_max_leaf_size(1);
     let tree = build(&soup(stacked.collect()), &options);
-    // Halving 63: each triangle is coplanar at a node of its own, or in a leaf.
+    // Halving 63: each triangle is in the plane of a node of its own, or in a leaf.
     assert_eq!(tree.depth(), 6);
     let mut counts = QueryCounts::default();
     let down = Ray::new(Vec3::new(0.25, 0.25, 100.0), Vec3::NEG_Z);

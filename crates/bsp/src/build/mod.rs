@@ -1,9 +1,10 @@
 //! The build: the thesis' algorithm 2, with a list of tasks in place of recursion.
 //!
-//! At each node a splitting plane is chosen and all polygons are classified against it. Coplanar polygons stay at
-//! the node, whichever way they face; the others go to their side; straddlers are cut or go to both sides. A node becomes
-//! a leaf when it is small enough, when no plane is worth it, or at one of two limits: the depth, and its share
-//! of the budget of references.
+//! At each node a splitting plane is chosen and all polygons are classified against it. Those in front and behind go
+//! to their side; straddlers are cut or go to both sides. Coplanar polygons, whichever way they face, go to a third
+//! child, which a ray visits where it crosses the plane; there, planes through their edges and the like split them
+//! further, since a floor of a thousand triangles is too much to test as one list. A node becomes a leaf when
+//! it is small enough, when no plane is worth it, or at one of two limits: the depth, and its share of the budget of references.
 //!
 //! **No triangle is lost.** Cutting decides only which lists name a triangle; hits are tested on the original. So it
 //! is enough that every point of a triangle is near a listed part of it, and every part near the side that it was
@@ -12,13 +13,14 @@
 //! - A cut vertex is computed from the edge's ends: its place on the edge rounds by at most `9 u S`, so after `k` cuts a
 //!   point of the triangle is within `9 k u S`, in each direction, of a part that was kept.
 //! - It is off the plane by those, the errors of both distances and that of their quotient: below `47 u S`.
-//! - A vertex counts as coplanar up to [`Plane::rounding_error`], `56 u S`, plus the error of its distance: below
-//!   `84 u S`. The same bound holds for polygons that stay at a node as coplanar.
+//! - A vertex counts as coplanar up to [`Plane::rounding_error`], at most `56 u S`, plus the error of its distance: below
+//!   `84 u S`. The same bound holds for polygons that count as coplanar.
 //!
 //! So whatever is listed below a side of a plane reaches beyond it by at most `(84 + 16 k) u S`.
 //! [`crossing`](crate::crossing) makes room for that.
 
 mod choose;
+mod outlines;
 mod random;
 mod subtree;
 mod task;
@@ -30,8 +32,9 @@ use self::random::Seed;
 use self::subtree::Place;
 use self::task::{Parts, Task};
 use crate::cell::Cell;
-use crate::node::{BACK, FRONT};
+use crate::node::{BACK, FRONT, IN_PLANE};
 use crate::piece::Source;
+use crate::tree::largest_coordinates;
 use crate::{BspOptions, Splitter, parallel};
 
 pub(crate) use self::subtree::Subtree;
@@ -55,6 +58,7 @@ pub(crate) fn build(mesh: &TriangleMesh, options: &BspOptions) -> Subtree {
         .triangles()
         .map(|triangle| Plane::from_triangle(&triangle))
         .collect();
+    let bounds = mesh.aabb();
     let needs_cells = options.splitter == Splitter::SurfaceArea;
     #[expect(
         clippy::cast_possible_truncation,
@@ -64,7 +68,8 @@ pub(crate) fn build(mesh: &TriangleMesh, options: &BspOptions) -> Subtree {
     let budget = (options.max_growth * sources.len() as f64) as usize;
     let root = Task {
         pieces: sources.iter().map(Source::piece).collect(),
-        cell: needs_cells.then(|| Cell::from_aabb(&mesh.aabb())),
+        cell: needs_cells.then(|| Cell::from_aabb(&bounds)),
+        is_flat: false,
         depth: 0,
         seed: Seed::new(options.seed),
         budget: budget.clamp(sources.len(), MAX_REFERENCES),
@@ -74,6 +79,7 @@ pub(crate) fn build(mesh: &TriangleMesh, options: &BspOptions) -> Subtree {
         chooser: Chooser {
             options,
             planes: &planes,
+            largest_coordinates: largest_coordinates(&bounds),
         },
     };
     builder.build(root, PARALLEL_LEVELS)
@@ -91,15 +97,21 @@ impl Builder<'_> {
             return self.build_in_order(task);
         }
         let mut tree = Subtree::new();
-        let Some((node, [front, back])) = self.add(&mut tree, Place::Root, task) else {
+        let Some((node, [front, back, in_plane])) = self.add(&mut tree, Place::Root, task) else {
             return tree;
         };
-        let (front, back) = parallel::join(
+        let (front, (back, in_plane)) = parallel::join(
             || self.build(front, levels - 1),
-            || self.build(back, levels - 1),
+            || {
+                parallel::join(
+                    || self.build(back, levels - 1),
+                    || self.build(in_plane, levels - 1),
+                )
+            },
         );
-        tree.add_subtree(Place::Child { node, side: FRONT }, front);
-        tree.add_subtree(Place::Child { node, side: BACK }, back);
+        for (side, child) in [(FRONT, front), (BACK, back), (IN_PLANE, in_plane)] {
+            tree.add_subtree(Place::Child { node, side }, child);
+        }
         tree
     }
 
@@ -107,9 +119,11 @@ impl Builder<'_> {
         let mut tree = Subtree::new();
         let mut pending = vec![(root, Place::Root)];
         while let Some((task, place)) = pending.pop() {
-            if let Some((node, [front, back])) = self.add(&mut tree, place, task) {
-                pending.push((back, Place::Child { node, side: BACK }));
-                pending.push((front, Place::Child { node, side: FRONT }));
+            if let Some((node, children)) = self.add(&mut tree, place, task) {
+                // The last one is taken first.
+                for (side, child) in children.into_iter().enumerate().rev() {
+                    pending.push((child, Place::Child { node, side }));
+                }
             }
         }
         tree
@@ -121,25 +135,27 @@ impl Builder<'_> {
         tree: &mut Subtree,
         place: Place,
         task: Task<'t>,
-    ) -> Option<(usize, [Task<'t>; 2])> {
+    ) -> Option<(usize, [Task<'t>; 3])> {
         let may_split =
             task.pieces.len() > self.options.max_leaf_size && task.depth < self.options.max_depth;
-        let plane = if may_split {
+        let divider = if may_split {
             self.chooser.choose(&task)
         } else {
             None
         };
-        let Some(plane) = plane else {
+        let Some(divider) = divider else {
             tree.add_leaf(place, task.ids());
             return None;
         };
+        let was_flat = task.is_flat;
         let Parts {
-            coplanar,
             children,
             straddlers,
-        } = task.split(&plane, self.options.straddlers);
+        } = task.split(&divider, self.options.straddlers);
         tree.straddlers += straddlers;
-        let node = tree.add_node(place, plane, coplanar.into_iter());
-        Some((node, children))
+        if !was_flat {
+            tree.coplanar += children[IN_PLANE].pieces.len();
+        }
+        Some((tree.add_node(place, divider.plane), children))
     }
 }

@@ -2,10 +2,10 @@
 
 use tahko_geometry::Plane;
 
-use crate::node::{BACK, Child, FRONT, Link, List, Node};
+use crate::node::{Child, Link, List, Node};
 
-/// The lists of a subtree, in preorder: a node's own entries come before those of its front child, and those
-/// before its back child's. So it does not show which subtrees were built apart.
+/// The lists of a subtree, in preorder: a node comes before what is in front of it, then what is behind it, then what
+/// is in its plane. So it does not show which subtrees were built apart.
 #[derive(Debug)]
 pub(crate) struct Subtree {
     pub(crate) root: Child,
@@ -15,6 +15,8 @@ pub(crate) struct Subtree {
     pub(crate) references: Vec<u32>,
     /// How often a polygon was on both sides of a plane.
     pub(crate) straddlers: usize,
+    /// How often a polygon was in a splitting plane for the first time.
+    pub(crate) coplanar: usize,
 }
 
 /// A link of a subtree: the root's, or one of a node's.
@@ -32,31 +34,28 @@ impl Subtree {
             leaves: Vec::new(),
             references: Vec::new(),
             straddlers: 0,
+            coplanar: 0,
         }
     }
 
     /// Appends a leaf and links it.
     pub(super) fn add_leaf(&mut self, place: Place, ids: impl ExactSizeIterator<Item = u32>) {
         if ids.len() > 0 {
-            let list = self.add_references(ids);
-            self.leaves.push(list);
+            self.leaves.push(List {
+                first: length_bits(self.references.len()),
+                count: length_bits(ids.len()),
+            });
+            self.references.extend(ids);
             self.link(place, Child::leaf(self.leaves.len() - 1));
         }
     }
 
     /// Appends a node with empty children and links it; its index.
-    pub(super) fn add_node(
-        &mut self,
-        place: Place,
-        plane: Plane,
-        coplanar: impl ExactSizeIterator<Item = u32>,
-    ) -> usize {
-        let coplanar = self.add_references(coplanar);
+    pub(super) fn add_node(&mut self, place: Place, plane: Plane) -> usize {
         let index = self.nodes.len();
         self.nodes.push(Node {
             plane,
-            children: [Child::EMPTY; 2],
-            coplanar,
+            children: [Child::EMPTY; 3],
         });
         self.link(place, Child::inner(index));
         index
@@ -72,12 +71,12 @@ impl Subtree {
         };
         self.nodes.extend(other.nodes.into_iter().map(|node| Node {
             children: node.children.map(|child| child.moved(nodes, leaves)),
-            coplanar: moved_list(node.coplanar),
             ..node
         }));
         self.leaves.extend(other.leaves.into_iter().map(moved_list));
         self.references.extend(other.references);
         self.straddlers += other.straddlers;
+        self.coplanar += other.coplanar;
         self.link(place, other.root.moved(nodes, leaves));
     }
 
@@ -88,8 +87,8 @@ impl Subtree {
         let mut deepest = 1;
         for (index, node) in self.nodes.iter().enumerate() {
             deepest = deepest.max(depths[index] + 1);
-            for child in [FRONT, BACK].map(|side| node.children[side].link()) {
-                if let Link::Inner(child) = child {
+            for child in node.children {
+                if let Link::Inner(child) = child.link() {
                     depths[child] = depths[index] + 1;
                 }
             }
@@ -102,15 +101,6 @@ impl Subtree {
             Place::Root => self.root = child,
             Place::Child { node, side } => self.nodes[node].children[side] = child,
         }
-    }
-
-    fn add_references(&mut self, ids: impl ExactSizeIterator<Item = u32>) -> List {
-        let list = List {
-            first: length_bits(self.references.len()),
-            count: length_bits(ids.len()),
-        };
-        self.references.extend(ids);
-        list
     }
 }
 

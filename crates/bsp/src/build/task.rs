@@ -1,11 +1,12 @@
 //! What is to be done at a node.
 
-use tahko_geometry::{Plane, Side};
+use tahko_geometry::{Side, glam::DVec3};
 
 use super::random::Seed;
 use crate::Straddlers;
 use crate::cell::Cell;
-use crate::node::{BACK, FRONT};
+use crate::divider::Divider;
+use crate::node::{BACK, FRONT, IN_PLANE};
 use crate::piece::Piece;
 
 /// A node that is not built yet.
@@ -14,6 +15,8 @@ pub(super) struct Task<'a> {
     pub(super) pieces: Vec<Piece<'a>>,
     /// The cell of the node, where the splitter asks for it.
     pub(super) cell: Option<Cell>,
+    /// Whether all pieces are in the splitting plane of a node above.
+    pub(super) is_flat: bool,
     /// Planes on the way from the root.
     pub(super) depth: usize,
     pub(super) seed: Seed,
@@ -31,10 +34,13 @@ pub(super) struct Counts {
 }
 
 impl Counts {
-    pub(super) fn new(plane: &Plane, pieces: &[Piece<'_>]) -> Self {
+    pub(super) fn new<'p>(
+        divider: &Divider,
+        outlines: impl IntoIterator<Item = &'p [DVec3]>,
+    ) -> Self {
         let mut counts = Self::default();
-        for piece in pieces {
-            match piece.side_of(plane) {
+        for outline in outlines {
+            match divider.side_of(outline) {
                 Side::Front => counts.front += 1,
                 Side::Back => counts.back += 1,
                 Side::Coplanar => counts.coplanar += 1,
@@ -44,12 +50,12 @@ impl Counts {
         counts
     }
 
-    /// Entries in the lists of both children and the node.
-    pub(super) const fn references(&self) -> usize {
+    /// Entries in the lists of all children.
+    const fn references(&self) -> usize {
         self.front + self.back + self.coplanar + 2 * self.spanning
     }
 
-    /// Whether both children have fewer polygons than the node. What splits a node forever does not.
+    /// Whether each side has fewer polygons than the node. What splits a node forever does not.
     pub(super) const fn makes_progress(&self) -> bool {
         self.back + self.coplanar > 0 && self.front + self.coplanar > 0
     }
@@ -58,8 +64,8 @@ impl Counts {
 /// What a plane makes of a task.
 #[derive(Debug)]
 pub(super) struct Parts<'a> {
-    pub(super) coplanar: Vec<u32>,
-    pub(super) children: [Task<'a>; 2],
+    /// Front, back and in the plane.
+    pub(super) children: [Task<'a>; 3],
     pub(super) straddlers: usize,
 }
 
@@ -68,55 +74,71 @@ impl<'a> Task<'a> {
         self.pieces.iter().map(Piece::id)
     }
 
-    /// Distributes the pieces over both sides of a plane. The budget that is not used up is shared in
-    /// proportion to the numbers of pieces.
-    pub(super) fn split(self, plane: &Plane, straddlers: Straddlers) -> Parts<'a> {
-        let mut front = Vec::new();
-        let mut back = Vec::new();
-        let mut coplanar = Vec::new();
+    /// Whether the task may be split so. Pieces that are in a plane already must not be put into it again.
+    pub(super) fn allows(&self, counts: &Counts) -> bool {
+        let repeats = self.is_flat && counts.coplanar == self.pieces.len();
+        !repeats && counts.references() <= self.budget
+    }
+
+    /// Distributes the pieces over the sides of a plane that is [allowed](Self::allows).
+    pub(super) fn split(self, divider: &Divider, straddlers: Straddlers) -> Parts<'a> {
+        let mut pieces = [Vec::new(), Vec::new(), Vec::new()];
         let mut straddler_count = 0;
         for piece in self.pieces {
-            match piece.side_of(plane) {
-                Side::Front => front.push(piece),
-                Side::Back => back.push(piece),
-                Side::Coplanar => coplanar.push(piece.id()),
+            match divider.side_of(piece.vertices()) {
+                Side::Front => pieces[FRONT].push(piece),
+                Side::Back => pieces[BACK].push(piece),
+                Side::Coplanar => pieces[IN_PLANE].push(piece),
                 Side::Spanning => {
                     straddler_count += 1;
-                    let [in_front, behind] = piece.parts(plane, straddlers);
-                    front.extend(in_front);
-                    back.extend(behind);
+                    let [in_front, behind] = piece.parts(&divider.plane, straddlers);
+                    pieces[FRONT].extend(in_front);
+                    pieces[BACK].extend(behind);
                 }
             }
         }
-        let budget = self.budget - coplanar.len();
-        let total = front.len() + back.len();
-        let spare = budget - total;
-        let front_spare = (spare as u128 * front.len() as u128)
-            .checked_div(total as u128)
-            .unwrap_or(0) as usize;
-        let budgets = [
-            front.len() + front_spare,
-            budget - front.len() - front_spare,
-        ];
+        let budgets = shares(self.budget, [0, 1, 2].map(|side| pieces[side].len()));
         let cells = match self.cell {
-            Some(cell) => cell.cut(plane).map(Some),
-            None => [None, None],
+            Some(cell) => cell.cut(&divider.plane).map(Some),
+            None => [None, None, None],
         };
-        let [front_cell, back_cell] = cells;
-        let child = |pieces, cell, side: usize| Task {
+        let child = |side: usize, pieces, cell| Task {
             pieces,
             cell,
+            is_flat: self.is_flat || side == IN_PLANE,
             depth: self.depth + 1,
             seed: self.seed.child(side),
             budget: budgets[side],
         };
+        let [front, back, in_plane] = pieces;
+        let [front_cell, back_cell, section] = cells;
         Parts {
-            coplanar,
             children: [
-                child(front, front_cell, FRONT),
-                child(back, back_cell, BACK),
+                child(FRONT, front, front_cell),
+                child(BACK, back, back_cell),
+                child(IN_PLANE, in_plane, section),
             ],
             straddlers: straddler_count,
         }
+    }
+}
+
+/// A budget shared among lists: each gets its length, and of the rest a part in proportion to it.
+fn shares(budget: usize, lengths: [usize; 3]) -> [usize; 3] {
+    let total: usize = lengths.iter().sum();
+    let spare = budget.saturating_sub(total) as u128;
+    lengths.map(|length| length + (spare * length as u128 / total.max(1) as u128) as usize)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_at_least_the_lengths_and_at_most_the_budget() {
+        assert_eq!(shares(100, [10, 30, 10]), [20, 60, 20]);
+        assert_eq!(shares(7, [3, 3, 1]), [3, 3, 1]);
+        assert_eq!(shares(10, [2, 1, 0]), [6, 3, 0]);
+        assert_eq!(shares(0, [0, 0, 0]), [0, 0, 0]);
     }
 }
