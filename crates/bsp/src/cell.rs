@@ -22,7 +22,7 @@ struct Face {
 
 impl Face {
     fn new(outline: Vec<DVec3>) -> Self {
-        let vector_area = vector_area(outline.iter().copied());
+        let vector_area = vector_area(&outline);
         Self {
             outline,
             vector_area,
@@ -90,7 +90,7 @@ impl Cell {
                 front += face.area;
                 sum += face.vector_area;
             } else if most > 0.0 {
-                let part = vector_area(clipped(&face.outline, plane));
+                let part = clipped_vector_area(&face.outline, plane);
                 front += part.length();
                 sum += part;
             }
@@ -105,11 +105,16 @@ impl Cell {
 
     /// The parts in front of and behind a plane, and the cut between them.
     pub(crate) fn cut(&self, plane: &Plane) -> [Self; 3] {
-        let on_cut = self
-            .faces
-            .iter()
-            .flat_map(|face| crossings(&face.outline, plane));
-        let section = outline(on_cut.collect(), plane.normal);
+        let mut on_cut = Vec::new();
+        for face in &self.faces {
+            clip(&face.outline, plane, |point| {
+                // A kept vertex on the plane, or a new one.
+                if !face.outline.contains(&point) || plane.signed_distance(point) == 0.0 {
+                    on_cut.push(point);
+                }
+            });
+        }
+        let section = outline(on_cut, plane.normal);
         let reversed = |points: &[DVec3]| points.iter().rev().copied().collect();
         let [front_cap, back_cap] = match section {
             Some(section) => [
@@ -129,7 +134,8 @@ impl Cell {
     fn part(&self, plane: &Plane, cap: Option<Face>) -> Self {
         let mut faces = Vec::with_capacity(self.faces.len() + 1);
         for face in &self.faces {
-            let part: Vec<DVec3> = clipped(&face.outline, plane).collect();
+            let mut part = Vec::with_capacity(face.outline.len() + 1);
+            clip(&face.outline, plane, |point| part.push(point));
             if part.len() >= 3 {
                 faces.push(Face::new(part));
             }
@@ -140,49 +146,58 @@ impl Cell {
 }
 
 /// Half the sum of the cross products of a fan: the area in the direction of the front.
-fn vector_area(mut outline: impl Iterator<Item = DVec3>) -> DVec3 {
-    let (Some(first), Some(second)) = (outline.next(), outline.next()) else {
-        return DVec3::ZERO;
-    };
-    let mut before = second - first;
-    let mut sum = DVec3::ZERO;
-    for point in outline {
+#[derive(Default)]
+struct Fan {
+    first: Option<DVec3>,
+    before: DVec3,
+    sum: DVec3,
+}
+
+impl Fan {
+    #[inline]
+    fn add(&mut self, point: DVec3) {
+        let first = *self.first.get_or_insert(point);
         let here = point - first;
-        sum += before.cross(here);
+        self.sum += self.before.cross(here);
+        self.before = here;
+    }
+
+    fn vector_area(&self) -> DVec3 {
+        0.5 * self.sum
+    }
+}
+
+fn vector_area(outline: &[DVec3]) -> DVec3 {
+    let mut fan = Fan::default();
+    for point in outline {
+        fan.add(*point);
+    }
+    fan.vector_area()
+}
+
+fn clipped_vector_area(outline: &[DVec3], plane: &Plane) -> DVec3 {
+    let mut fan = Fan::default();
+    clip(outline, plane, |point| fan.add(point));
+    fan.vector_area()
+}
+
+/// Calls a function with the vertices of the part of an outline in front of a plane, in order.
+#[inline]
+fn clip(outline: &[DVec3], plane: &Plane, mut vertex: impl FnMut(DVec3)) {
+    let Some(last) = outline.last() else {
+        return;
+    };
+    let mut before = (*last, plane.signed_distance(*last));
+    for point in outline {
+        let here = (*point, plane.signed_distance(*point));
+        if before.1 * here.1 < 0.0 {
+            vertex(before.0 + (here.0 - before.0) * (before.1 / (before.1 - here.1)));
+        }
+        if here.1 >= 0.0 {
+            vertex(here.0);
+        }
         before = here;
     }
-    0.5 * sum
-}
-
-/// The edges of an outline.
-fn edges(outline: &[DVec3]) -> impl Iterator<Item = (DVec3, DVec3)> {
-    let next = outline.iter().cycle().skip(1);
-    outline
-        .iter()
-        .copied()
-        .zip(next.copied())
-        .take(outline.len())
-}
-
-/// The part of an outline in front of a plane.
-fn clipped(outline: &[DVec3], plane: &Plane) -> impl Iterator<Item = DVec3> {
-    edges(outline).flat_map(|(start, end)| {
-        let kept = (plane.signed_distance(start) >= 0.0).then_some(start);
-        [kept, crossing(start, end, plane)].into_iter().flatten()
-    })
-}
-
-/// The points where an outline crosses a plane.
-fn crossings(outline: &[DVec3], plane: &Plane) -> impl Iterator<Item = DVec3> {
-    edges(outline).filter_map(|(start, end)| {
-        let touching = (plane.signed_distance(start) == 0.0).then_some(start);
-        touching.or_else(|| crossing(start, end, plane))
-    })
-}
-
-fn crossing(start: DVec3, end: DVec3, plane: &Plane) -> Option<DVec3> {
-    let [from, to] = [start, end].map(|point| plane.signed_distance(point));
-    (from * to < 0.0).then(|| start + (end - start) * (from / (from - to)))
 }
 
 /// Points in convex position, ordered counter-clockwise around a normal.

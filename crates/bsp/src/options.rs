@@ -11,7 +11,7 @@ use crate::{Candidates, Splitter, SplittingPlanes, Straddlers};
 /// use tahko_bsp::{BspOptions, Splitter, Straddlers};
 ///
 /// let options = BspOptions::fast().with_straddlers(Straddlers::ListInBoth).with_max_leaf_size(8);
-/// assert_eq!(options.splitter, Splitter::WEIGHTED);
+/// assert_eq!(options.splitter, Splitter::SurfaceArea);
 /// assert_eq!(options.max_leaf_size, 8);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
@@ -79,18 +79,17 @@ impl BspOptions {
     /// The largest value of [`max_growth`](Self::max_growth).
     pub const MAX_GROWTH: f64 = 1000.0;
 
-    /// The shortest build.
+    /// The shortest build: one polygon of a node offers planes.
     #[must_use]
     pub const fn fast() -> Self {
         Self {
-            splitter: Splitter::WEIGHTED,
-            candidates: Candidates::Sample(2),
+            candidates: Candidates::Sample(1),
             max_leaf_size: 4,
             ..Self::balanced()
         }
     }
 
-    /// The default.
+    /// The default: the surface area heuristic over the planes of four polygons, with straddlers split.
     #[must_use]
     pub const fn balanced() -> Self {
         Self {
@@ -102,17 +101,18 @@ impl BspOptions {
             max_leaf_size: 2,
             max_depth: 64,
             max_growth: 8.0,
-            traversal_cost: 0.5,
+            traversal_cost: 1.0,
             seed: 0,
         }
     }
 
-    /// The cheapest tree: more candidates.
+    /// The fewest triangle tests: the planes of sixteen polygons, and leaves of a single one.
     #[must_use]
     pub const fn high_quality() -> Self {
         Self {
             candidates: Candidates::Sample(16),
             max_leaf_size: 1,
+            traversal_cost: 0.5,
             ..Self::balanced()
         }
     }
