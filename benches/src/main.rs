@@ -9,8 +9,8 @@
 )]
 
 mod growth;
+mod oracle;
 mod rays;
-mod reference;
 mod scenes;
 mod table;
 

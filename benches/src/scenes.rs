@@ -9,8 +9,8 @@ use tahko_tracer::accelerator::{Accelerator, StructureKind};
 use tahko_tracer::geometry::{Precision, QueryCounts, Ray, RayQuery};
 use tahko_tracer::load::load_scene;
 
+use crate::oracle::{self, Errors};
 use crate::rays::RayClass;
-use crate::reference::{self, Errors};
 use crate::table;
 
 /// How much is measured.
@@ -22,8 +22,8 @@ pub(crate) struct Effort {
     rounds: usize,
     /// Time after which a structure stops in a round, with the rays it has traced by then.
     turn: Duration,
-    /// Triangle tests that the reference may spend on a class of rays.
-    reference_tests: usize,
+    /// Triangle tests that the exact reference may spend on a class of rays.
+    oracle_tests: usize,
 }
 
 impl Effort {
@@ -31,13 +31,13 @@ impl Effort {
         rays: 1 << 16,
         rounds: 7,
         turn: Duration::from_millis(100),
-        reference_tests: 200_000_000,
+        oracle_tests: 200_000_000,
     };
     pub(crate) const QUICK: Self = Self {
         rays: 1 << 10,
         rounds: 1,
         turn: Duration::from_millis(2),
-        reference_tests: 2_000_000,
+        oracle_tests: 2_000_000,
     };
 }
 
@@ -96,11 +96,11 @@ pub(crate) fn measure(file: &Path, effort: &Effort) -> Result<()> {
         }
         let audited = &rays[..rays
             .len()
-            .min(effort.reference_tests / scene.mesh().len().max(1))];
-        let answers = reference::closest_hits(scene.mesh(), audited);
+            .min(effort.oracle_tests / scene.mesh().len().max(1))];
+        let answers = oracle::closest_hits(scene.mesh(), audited);
         let rates = rates(&contenders, class, &rays, effort);
         for (contender, rates) in contenders.iter().zip(rates) {
-            let errors = reference::compare(contender.accelerator.query(), audited, &answers);
+            let errors = oracle::compare(contender.accelerator.query(), audited, &answers);
             rows.push(row(contender, class, &rays, rates, &errors));
         }
     }
@@ -116,8 +116,8 @@ pub(crate) fn measure(file: &Path, effort: &Effort) -> Result<()> {
         "audited",
         "false misses",
         "false hits",
-        "wrong hits",
-        "t error",
+        "wrong triangles",
+        "t error ulp",
     ];
     table::print(&header, rows, 3);
     Ok(())
@@ -236,8 +236,8 @@ fn row(
         errors.rays.to_string(),
         errors.false_misses.to_string(),
         errors.false_hits.to_string(),
-        errors.wrong_hits.to_string(),
-        format!("{:.0e}", errors.largest_t_error),
+        errors.wrong_triangles.to_string(),
+        format!("{:.2}", errors.largest_t_error),
     ]
 }
 
