@@ -1,7 +1,14 @@
 //! Reads scenes from files: RON, glTF and GLB, OBJ with MTL, PLY, STL.
 
 mod gltf;
+mod obj;
+mod ply;
+mod polygon;
 mod ron;
+mod stl;
+#[cfg(test)]
+mod test_files;
+mod text;
 
 use std::io;
 use std::path::{Path, PathBuf};
@@ -9,7 +16,7 @@ use std::path::{Path, PathBuf};
 use tahko_geometry::{Transform, TriangleMesh};
 use thiserror::Error;
 
-use crate::scene::{MaterialId, MeshPart, Scene, SceneBuilder, SceneError};
+use crate::scene::{Material, MaterialId, MeshPart, Scene, SceneBuilder, SceneError};
 
 /// The file types that can be read, by file name extension.
 pub const EXTENSIONS: [&str; 6] = ["ron", "gltf", "glb", "obj", "ply", "stl"];
@@ -62,6 +69,9 @@ impl Import {
         match extension.to_str() {
             Some("gltf" | "glb") => gltf::read(path, self),
             Some("ron") => ron::read(path, self),
+            Some("obj") => obj::read(path, self),
+            Some("ply") => ply::read(path, self),
+            Some("stl") => stl::read(path, self),
             _ => Err(LoadError::unsupported(
                 path,
                 format!("the file type (one of {} is needed)", EXTENSIONS.join(", ")),
@@ -84,6 +94,19 @@ impl Import {
         self.builder
             .add_part(part, material, &to_file.then(&self.placement))
             .map_err(|source| LoadError::scene(path, source))
+    }
+
+    /// The material for files that have none: the one that was asked for, or a new default material.
+    pub(crate) fn material_or_default(&mut self) -> MaterialId {
+        match self.material {
+            Some(material) => material,
+            None => self.builder.add_material(Material::default()),
+        }
+    }
+
+    /// Notes what was left out of a file or assumed about it.
+    pub(crate) fn note(&mut self, path: &Path, note: &str) {
+        self.report.note(format!("{}: {note}", path.display()));
     }
 }
 
