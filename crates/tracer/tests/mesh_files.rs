@@ -163,6 +163,7 @@ const VARIANTS: [(&str, Option<usize>); 36] = [
     ("stl/two_objects_mixed_case_names.stl", Some(24)),
 ];
 
+#[expect(clippy::print_stdout, reason = "a test that does nothing says so")]
 fn scenes() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/scenes");
     if !folder.is_dir() {
@@ -293,7 +294,7 @@ fn broken_files_are_refused_with_a_place_and_legal_ones_load() {
             }
             match (load(&path), legal.get(name.as_str())) {
                 (Ok(mesh), triangles) => {
-                    assert_eq!(Some(&mesh.len()), triangles, "{name} {extension}")
+                    assert_eq!(Some(&mesh.len()), triangles, "{name} {extension}");
                 }
                 (Err(LoadError::Invalid { place, reason, .. }), None) => {
                     assert!(!place.is_empty() && !reason.is_empty(), "{name}");
