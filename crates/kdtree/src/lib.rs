@@ -33,7 +33,7 @@
 //! # Options
 //! [`KdTreeOptions::balanced`], the default, builds with the surface area heuristic in `O(n log n)` (Wald and Havran
 //! 2006): events are sorted once, triangles are clipped to their cells, and cutting off empty space is rewarded.
-//! [`KdTreeOptions::fast`] splits at the object median. [`SplitPolicy`] has the others; [`KdTree::statistics`] and
+//! [`KdTreeOptions::fast`] splits in the middle. [`SplitPolicy`] has the others; [`KdTree::statistics`] and
 //! [`KdTree::expected_visits`] tell what came out.
 //!
 //! # Features

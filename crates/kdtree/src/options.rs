@@ -20,7 +20,8 @@ pub enum AxisChoice {
 pub enum SplitPolicy {
     /// In the middle of the cell. The quickest build.
     SpatialMiddle(AxisChoice),
-    /// At the median of the centres of the triangles' boxes: as many triangles on both sides.
+    /// At the median of the centres of the triangles' boxes: as many triangles on both sides. It makes the
+    /// shallowest trees, and the slowest, since it cuts off no empty space.
     ObjectMedian(AxisChoice),
     /// Where the surface area heuristic expects the cheapest queries.
     #[default]
@@ -84,22 +85,24 @@ impl KdTreeOptions {
     /// The largest value of `max_depth`.
     pub const MAX_DEPTH: u32 = 1024;
 
-    /// Splits the longest axis at the object median: builds several times faster than the default, queries are slower.
+    /// Splits the longest axis in the middle, down to 16 triangles: builds 2 to 5 times faster than the default, and
+    /// queries took 1.1 to 1.5 times as long (measured on five scenes of 34 to 100 thousand triangles).
     #[must_use]
-    pub fn fast() -> Self {
-        Self {
-            split_policy: SplitPolicy::ObjectMedian(AxisChoice::Longest),
-            max_leaf_size: 8,
-            ..Self::balanced()
-        }
+    pub const fn fast() -> Self {
+        Self::balanced()
+            .with_split_policy(SplitPolicy::SpatialMiddle(AxisChoice::Longest))
+            .with_max_leaf_size(16)
     }
 
-    /// The default: the surface area heuristic with the constants of Wald and Havran.
+    /// The default: the surface area heuristic with the constants of Wald and Havran, down to 4 triangles.
+    ///
+    /// There is no preset beyond it: splitting down to single triangles saves 20 to 60 % of the triangle tests for 1.6
+    /// to 3.5 times the nodes, and was not faster.
     #[must_use]
     pub const fn balanced() -> Self {
         Self {
             split_policy: SplitPolicy::SurfaceArea,
-            max_leaf_size: 1,
+            max_leaf_size: 4,
             max_depth: None,
             traversal_cost: 15.0,
             intersection_cost: 20.0,

@@ -282,7 +282,8 @@ mod tests {
             triangle,
             triangle.map(|corner| corner + 9.0 * Vec3::X),
         ]);
-        let tree = KdTree::build(&mesh, &KdTreeOptions::default()).expect("the options are valid");
+        let options = KdTreeOptions::default().with_max_leaf_size(1);
+        let tree = KdTree::build(&mesh, &options).expect("the options are valid");
         assert!(tree.node_count() >= 3, "the triangles are separated");
         assert_eq!(tree.validate(), Ok(()));
         tree

@@ -12,11 +12,12 @@ use tahko_kdtree::{KdTree, KdTreeOptions, SplitPolicy};
 fn options() -> Vec<KdTreeOptions> {
     let policies = SplitPolicy::ALL.into_iter().flat_map(|policy| {
         let options = KdTreeOptions::default().with_split_policy(policy);
-        [options.clone(), options.with_max_leaf_size(6)]
+        [1, 6].map(|size| options.clone().with_max_leaf_size(size))
     });
     let splitting = KdTreeOptions::default()
         .with_costs(0.0, 1.0)
         .with_empty_space_factor(0.1)
+        .with_max_leaf_size(1)
         .with_max_depth(Some(60));
     policies.chain([KdTreeOptions::fast(), splitting]).collect()
 }
@@ -57,7 +58,7 @@ fn rays_along_axes(mesh: &TriangleMesh) -> Vec<Ray> {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(
-        std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(100)
+        std::env::var("PROPTEST_CASES").ok().and_then(|cases| cases.parse().ok()).unwrap_or(64)
     ))]
 
     #[test]

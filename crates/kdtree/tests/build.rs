@@ -48,9 +48,12 @@ fn needles(count: u16) -> TriangleMesh {
 #[cfg(feature = "parallel")]
 #[test]
 fn the_tree_is_the_same_for_every_number_of_threads() {
-    let mesh = terrain(60);
+    // Enough for the axes of large cells to be swept in parallel.
+    let mesh = terrain(100);
     for policy in SplitPolicy::ALL {
-        let options = KdTreeOptions::default().with_split_policy(policy);
+        let options = KdTreeOptions::default()
+            .with_split_policy(policy)
+            .with_max_leaf_size(1);
         let trees = [1, 2, 4].map(|threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
             pool.expect("threads can be started")
@@ -65,7 +68,8 @@ fn the_tree_is_the_same_for_every_number_of_threads() {
 /// when the build is changed on purpose.
 #[test]
 fn the_tree_does_not_depend_on_the_feature() {
-    let statistics = build(&terrain(60), &KdTreeOptions::default()).statistics();
+    let options = KdTreeOptions::default().with_max_leaf_size(1);
+    let statistics = build(&terrain(60), &options).statistics();
     assert_eq!(
         (statistics.nodes, statistics.references, statistics.depth),
         (17129, 7212, 19)
