@@ -23,7 +23,8 @@ pub enum SplitPolicy {
     /// At the median of the centres of the triangles' boxes: as many triangles on both sides. It makes the
     /// shallowest trees, and the slowest, since it cuts off no empty space.
     ObjectMedian(AxisChoice),
-    /// Where the surface area heuristic expects the cheapest queries.
+    /// Where the surface area heuristic expects the cheapest queries. Cells with more than 64 triangles in which no split
+    /// is expected to pay are split in the middle.
     #[default]
     SurfaceArea,
 }

@@ -2,7 +2,7 @@
 
 use tahko_geometry::glam::Vec3;
 use tahko_geometry::test_support::{degenerate_meshes, soup};
-use tahko_geometry::{Ray, RayQuery, TriangleMesh};
+use tahko_geometry::{QueryCounts, Ray, RayQuery, TriangleMesh};
 use tahko_kdtree::{AxisChoice, BuildError, KdTree, KdTreeOptions, SplitPolicy};
 
 /// A bumpy surface of `2 * side * side` triangles.
@@ -31,7 +31,7 @@ fn build(mesh: &TriangleMesh, options: &KdTreeOptions) -> KdTree {
     KdTree::build(mesh, options).expect("the options are valid")
 }
 
-/// Long thin triangles in all directions through a small volume: each straddles most planes.
+/// Long thin triangles in all directions through the origin: each straddles most planes.
 fn needles(count: u16) -> TriangleMesh {
     let needle = |i: u16| {
         let angle = f32::from(i);
@@ -174,6 +174,28 @@ fn the_budget_holds_where_every_triangle_straddles_every_plane() {
             assert_eq!(tree.validate(), Ok(()));
         }
     }
+}
+
+#[test]
+fn triangles_as_large_as_their_cell_are_separated_where_the_heuristic_gives_up() {
+    let corner = |seed: f32| {
+        Vec3::new(
+            (12.9 * seed).sin(),
+            (78.2 * seed).sin(),
+            (37.7 * seed).sin(),
+        )
+    };
+    let triangle = |i: u16| [0.1, 0.4, 0.7].map(|part| corner(f32::from(i) + part));
+    let mesh = soup((0..3000).map(triangle).collect());
+    let tree = build(&mesh, &KdTreeOptions::default());
+    assert_eq!(tree.validate(), Ok(()));
+    let mut counts = QueryCounts::default();
+    for i in 0..100u8 {
+        let angle = f32::from(i);
+        let origin = 4.0 * Vec3::new(angle.cos(), angle.sin(), (0.3 * angle).cos());
+        tree.closest_hit_counted(&Ray::new(origin, -origin), &mut counts);
+    }
+    assert!(counts.triangle_tests < 100 * 3000 / 4, "{counts:?}");
 }
 
 #[test]
