@@ -4,9 +4,8 @@
 //! split of a cell with area `A` is expected to cost `K_T + K_I (A_L N_L + A_R N_R) / A`, times the empty
 //! space factor where `N_L` or `N_R` is zero, against `K_I N` for a leaf. Source: Wald and Havran 2006, sections 3 and 4.3.
 //!
-//! Triangles that lie in the plane count on the cheaper side. A plane in a face of the cell is a candidate only for triangles
-//! that lie in it: they get a flat cell of their own, which counts as empty space for nobody. A cell without
-//! area (a point or a segment) is not split.
+//! Triangles that lie in the plane count on the cheaper side. A plane in a face of the cell is a candidate only if
+//! triangles lie in it, and they get a flat cell of their own. A cell without area (a point or a segment) is not split.
 
 use tahko_geometry::{Aabb, Axis};
 
