@@ -1,5 +1,6 @@
 //! Small files, each made for one feature or one fault.
 
+mod hostile;
 mod looks;
 
 use std::fs;

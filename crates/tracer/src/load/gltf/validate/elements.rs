@@ -108,7 +108,7 @@ fn check_node(node: &Value, place: &str) -> Result<(), Fault> {
     }
     let last_row: Vec<f64> = matrix.iter().copied().skip(3).step_by(4).collect();
     require(
-        matrix.is_empty() || last_row == [0.0, 0.0, 0.0, 1.0],
+        matrix.is_empty() || is_affine_row(&last_row),
         place,
         || "its matrix does not consist of translation, rotation and scale: its last row is not 0 0 0 1",
     )?;
@@ -120,6 +120,17 @@ fn check_node(node: &Value, place: &str) -> Result<(), Fault> {
         place,
         || "it has a skin but no mesh",
     )
+}
+
+/// Whether the last row of a matrix is 0 0 0 1, up to what a few products of f32 matrices may be off.
+pub(super) fn is_affine_row(row: &[f64]) -> bool {
+    const TOLERANCE: f64 = 16.0 * f32::EPSILON as f64;
+    let expected = [0.0, 0.0, 0.0, 1.0];
+    row.len() == expected.len()
+        && row
+            .iter()
+            .zip(expected)
+            .all(|(value, expected)| (value - expected).abs() <= TOLERANCE)
 }
 
 fn numbers(object: &Value, name: &str) -> Vec<f64> {

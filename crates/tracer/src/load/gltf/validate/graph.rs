@@ -43,6 +43,7 @@ impl Graph {
             while let Some(step) = steps.pop() {
                 clock += 1;
                 match step {
+                    // All indices were checked to be those of nodes.
                     Step::Enter(index) => {
                         roots[index] = root;
                         spans[index].0 = clock;

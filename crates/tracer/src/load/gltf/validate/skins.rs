@@ -2,6 +2,7 @@
 
 use gltf::json::Value;
 
+use super::elements::is_affine_row;
 use super::graph::Graph;
 use crate::load::gltf::accessor::Accessor;
 use crate::load::gltf::fault::{Fault, element_name, items, reference, references, require};
@@ -56,7 +57,7 @@ pub(super) fn check_matrices(json: &Value, accessors: &[Accessor<'_>]) -> Result
         }
         for matrix in 0..matrices.count {
             let last_row = [3, 7, 11, 15].map(|component| matrices.value(matrix, component));
-            require(last_row == [0.0, 0.0, 0.0, 1.0], &place, || {
+            require(is_affine_row(&last_row), &place, || {
                 format!("the last row of its inverse bind matrix {matrix} is not 0 0 0 1")
             })?;
         }

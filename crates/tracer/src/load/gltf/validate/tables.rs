@@ -62,7 +62,8 @@ pub(super) const fn exactly(count: usize, of: &'static Kind) -> Kind {
 }
 
 pub(super) const ANY_NUMBER: Kind = range(f64::NEG_INFINITY, f64::INFINITY, false);
-pub(super) const UNIT: Kind = range(0.0, 1.0, false);
+/// Factors up to 1, which a few roundings to f32 may exceed.
+pub(super) const UNIT: Kind = range(0.0, 1.0 + 4.0 * f32::EPSILON as f64, false);
 pub(super) const NOT_NEGATIVE: Kind = range(0.0, f64::INFINITY, false);
 pub(super) const POSITIVE: Kind = range(0.0, f64::INFINITY, true);
 pub(super) const COUNT: Kind = Kind::Integer(1, u64::MAX);
