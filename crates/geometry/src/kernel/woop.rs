@@ -16,6 +16,9 @@
 //! correct to `2^-53` of themselves, and of one sign: the point of the true triangle with these weights is
 //! within that distance of the ray at `t`. `REACH` is 8 to cover the terms of second order.
 //!
+//! **Seams.** A triangle without area is never hit, though its rounded projection may have some. Where such a triangle closes
+//! a T-junction, the rounded projections of its neighbours can leave a gap as wide as the rounding.
+//!
 //! Source: Woop, Benthin, Wald, "Watertight ray/triangle intersection", JCGT 2013. Differs in deciding the
 //! sign by comparing products, and in computing the weights in f64.
 

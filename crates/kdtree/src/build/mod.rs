@@ -59,13 +59,12 @@ pub(crate) struct BuiltTree {
     pub depth: usize,
 }
 
-/// Builds a tree. Triangles with two equal vertices are not listed: no kernel accepts them. (Other
-/// triangles without area are, since rounding may give them one.)
+/// Builds a tree. Triangles without area are not listed: no kernel accepts them.
 pub(crate) fn build(mesh: &TriangleMesh, options: &KdTreeOptions) -> Result<BuiltTree, BuildError> {
     let triangles: Vec<Triangle> = mesh.triangles().collect();
     let references: Vec<Reference> = (0..)
         .zip(&triangles)
-        .filter(|(_, Triangle { a, b, c })| a != b && b != c && c != a)
+        .filter(|(_, triangle)| !triangle.is_degenerate())
         .map(|(number, triangle)| Reference {
             triangle: number,
             bounds: triangle.aabb(),
