@@ -44,6 +44,29 @@ fn the_tree_is_the_same_for_every_number_of_threads() {
 }
 
 #[test]
+fn candidates_ranked_by_a_part_of_the_polygons_are_nearly_as_good() {
+    // 3000 candidates times 3000 polygons are too many to count; 1000 times 1000 are not.
+    let cost = |count: usize, candidates| {
+        let options = BspOptions::balanced()
+            .with_planes(SplittingPlanes::Polygons)
+            .with_candidates(candidates);
+        let tree = build(&scattered(count, 0.05), &options);
+        assert_eq!(tree.validate(), Ok(()));
+        tree.statistics().sah_cost
+    };
+    for count in [1000, 3000] {
+        let (all, few) = (
+            cost(count, Candidates::All),
+            cost(count, Candidates::Sample(4)),
+        );
+        assert!(
+            all < few,
+            "{count} triangles: {all} with all, {few} with four"
+        );
+    }
+}
+
+#[test]
 fn seeds_choose_different_trees() {
     let mesh = scattered(500, 0.1);
     let tree = |seed| build(&mesh, &BspOptions::fast().with_seed(seed));

@@ -11,12 +11,13 @@ pub(super) struct Outlines {
 }
 
 impl Outlines {
-    pub(super) fn new(pieces: &[Piece<'_>]) -> Self {
+    /// The outlines of every `stride`-th piece.
+    pub(super) fn new(pieces: &[Piece<'_>], stride: usize) -> Self {
         let mut outlines = Self {
-            vertices: Vec::with_capacity(4 * pieces.len()),
-            ends: Vec::with_capacity(pieces.len()),
+            vertices: Vec::with_capacity(4 * pieces.len() / stride),
+            ends: Vec::with_capacity(pieces.len() / stride + 1),
         };
-        for piece in pieces {
+        for piece in pieces.iter().step_by(stride) {
             outlines.vertices.extend_from_slice(piece.vertices());
             outlines.ends.push(outlines.vertices.len());
         }

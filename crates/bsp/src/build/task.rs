@@ -50,6 +50,16 @@ impl Counts {
         counts
     }
 
+    /// An estimate from counts of a part.
+    pub(super) const fn times(self, factor: usize) -> Self {
+        Self {
+            front: self.front * factor,
+            back: self.back * factor,
+            coplanar: self.coplanar * factor,
+            spanning: self.spanning * factor,
+        }
+    }
+
     /// Entries in the lists of all children.
     const fn references(&self) -> usize {
         self.front + self.back + self.coplanar + 2 * self.spanning
