@@ -98,13 +98,74 @@ impl PlaneCrosser {
     }
 }
 
-/// Twice the largest error of rounding to f32. Not a number for infinities of either sign would cull nothing,
-/// but lose their sign: these stay.
+/// Twice the largest error of rounding to f32. Infinities need none, and would become NaN by it.
 #[inline]
 fn widening_of(value: f64) -> f64 {
     if value.is_finite() {
         value.abs() * f64::from(f32::EPSILON) + SMALLEST
     } else {
         0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use tahko_geometry::glam::Vec3;
+
+    fn cross(origin: Vec3, direction: Vec3, plane: &Plane, size: f32) -> Crossing {
+        let bounds = Aabb::new(Vec3::splat(-size), Vec3::splat(size));
+        let ray = Ray::new(origin, direction);
+        let conservative = ConservativeRay::new(&ray, &bounds, 8.0);
+        PlaneCrosser::new(&ray, &conservative, 20, &bounds).cross(plane)
+    }
+
+    /// The points with x = 0.5.
+    fn wall() -> Plane {
+        Plane::from_point_normal(DVec3::splat(0.5), DVec3::X).expect("a plane")
+    }
+
+    #[test]
+    fn the_crossing_is_narrow_and_around_the_exact_place() {
+        for (direction, near) in [(Vec3::X, BACK), (Vec3::new(4.0, 1.0, 0.0), BACK)] {
+            let crossing = cross(Vec3::NEG_X, direction, &wall(), 1.0);
+            let exact = 1.5 / direction.x;
+            assert_eq!(crossing.near, near);
+            assert!(
+                crossing.start < exact && exact < crossing.end,
+                "{crossing:?}"
+            );
+            assert!(crossing.end - crossing.start < 2e-5, "{crossing:?}");
+        }
+        let back = cross(Vec3::X, Vec3::NEG_X, &wall(), 1.0);
+        assert_eq!(back.near, FRONT);
+        assert!(back.start < 0.5 && 0.5 < back.end, "{back:?}");
+    }
+
+    #[test]
+    fn rays_along_a_plane_stay_on_their_side_or_visit_both() {
+        for zero in [0.0, -0.0] {
+            let along = Vec3::new(zero, 1.0, 0.0);
+            // In front, behind: nothing but that side.
+            let crossing = cross(Vec3::X, along, &wall(), 1.0);
+            assert_eq!((crossing.near, crossing.end), (BACK, f32::NEG_INFINITY));
+            let crossing = cross(Vec3::ZERO, along, &wall(), 1.0);
+            assert_eq!((crossing.near, crossing.start), (BACK, f32::INFINITY));
+            // Within rounding of it: both, all the way.
+            for x in [0.5, 0.5f32.next_up(), 0.5f32.next_down()] {
+                let crossing = cross(Vec3::new(x, 0.0, 0.0), along, &wall(), 1.0);
+                let all = (f32::NEG_INFINITY, f32::INFINITY);
+                assert_eq!((crossing.start, crossing.end), all, "x = {x}");
+            }
+        }
+    }
+
+    #[test]
+    fn extreme_coordinates_and_directions_cull_nothing() {
+        let all = (f32::NEG_INFINITY, f32::INFINITY);
+        for (direction, size) in [(Vec3::X, f32::MAX), (Vec3::X * 1e-40, 1.0), (Vec3::Y, 1e30)] {
+            let crossing = cross(Vec3::ZERO, direction, &wall(), size);
+            assert_eq!((crossing.start, crossing.end), all, "{direction} {size}");
+        }
     }
 }
