@@ -35,7 +35,7 @@ impl BspTree {
     #[must_use]
     pub fn statistics(&self) -> TreeStatistics {
         TreeStatistics {
-            primitives: self.triangles.len(),
+            primitives: self.primitives,
             nodes: self.node_count(),
             leaves: self.leaves.len() + self.empty_leaf_count(),
             empty_leaves: self.empty_leaf_count(),

@@ -9,7 +9,7 @@ use crate::{BspOptions, BuildError};
 /// A BSP tree over the triangles of a mesh.
 ///
 /// Ask it through [`RayQuery`](tahko_geometry::RayQuery). It owns a copy of the triangles and does not borrow from the
-/// mesh. Every triangle is listed, those of zero area included. Two trees are equal if they have equal nodes, lists,
+/// mesh. Triangles without area are left out: they are never hit. Two trees are equal if they have equal nodes, lists,
 /// triangles and options.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BspTree {
@@ -25,6 +25,8 @@ pub struct BspTree {
     pub(crate) straddlers: usize,
     /// How often a polygon was in a splitting plane for the first time.
     pub(crate) coplanar: usize,
+    /// Triangles of the mesh, those without area included.
+    pub(crate) primitives: usize,
     bounds: Aabb,
     options: BspOptions,
 }
@@ -62,6 +64,7 @@ impl BspTree {
             depth,
             straddlers,
             coplanar,
+            primitives: mesh.len(),
             bounds: mesh.aabb(),
             options: options.clone(),
         })

@@ -1,12 +1,12 @@
 //! Checks that a tree is well formed.
 
-use tahko_geometry::{Plane, Side};
+use tahko_geometry::{Plane, Polygon, Side};
 use thiserror::Error;
 
 use crate::BspTree;
 use crate::divider::Divider;
 use crate::node::{BACK, Child, FRONT, IN_PLANE, Link, List};
-use crate::piece::{Piece, Source};
+use crate::piece::Piece;
 use crate::tree::largest_coordinates;
 
 /// What is wrong with a tree. Nodes and leaves are numbered by their places in memory, apart from each other.
@@ -178,8 +178,9 @@ impl BspTree {
     fn check_triangles(&self) -> Result<(), ValidationError> {
         let mut places = 0;
         for (index, listed) in (0u32..).zip(&self.triangles) {
-            let source = Source::new(&listed.triangle, index);
-            places += self.check_parts(source.piece(), listed.number as usize)?;
+            if let Some(polygon) = Polygon::from_triangle(&listed.triangle, index) {
+                places += self.check_parts(Piece::whole(&polygon), listed.number as usize)?;
+            }
         }
         let references = self.references.len();
         if places == references {

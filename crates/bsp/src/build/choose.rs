@@ -21,8 +21,8 @@ const MAX_RECOUNTS: usize = 16;
 
 pub(super) struct Chooser<'a> {
     pub(super) options: &'a BspOptions,
-    /// The planes of the mesh's polygons, by id. Parts of a polygon offer the plane of the whole, triangles of
-    /// zero area have none.
+    /// The planes of the mesh's polygons, by id; none for triangles without area. Parts of a polygon offer the plane
+    /// of the whole.
     pub(super) planes: &'a [Option<Plane>],
     /// The largest absolute coordinates of the mesh.
     pub(super) largest_coordinates: DVec3,

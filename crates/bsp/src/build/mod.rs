@@ -25,7 +25,7 @@ mod random;
 mod subtree;
 mod task;
 
-use tahko_geometry::{Plane, TriangleMesh};
+use tahko_geometry::{Plane, Polygon, TriangleMesh};
 
 use self::choose::Chooser;
 use self::random::Seed;
@@ -33,7 +33,7 @@ use self::subtree::Place;
 use self::task::{Parts, Task};
 use crate::cell::Cell;
 use crate::node::{BACK, FRONT, IN_PLANE};
-use crate::piece::Source;
+use crate::piece::Piece;
 use crate::tree::largest_coordinates;
 use crate::{BspOptions, Splitter, parallel};
 
@@ -48,11 +48,12 @@ const PARALLEL_SIZE: usize = 512;
 /// Levels on which children may be built at the same time: this bounds the recursion.
 const PARALLEL_LEVELS: usize = 16;
 
-/// Builds the tree of a mesh. References are the triangles' numbers. The options are in range.
+/// Builds the tree of a mesh. References are the triangles' numbers. Triangles without area are not listed: no kernel
+/// accepts them. The options are in range.
 pub(crate) fn build(mesh: &TriangleMesh, options: &BspOptions) -> Subtree {
-    let sources: Vec<Source> = (0u32..)
+    let polygons: Vec<Polygon> = (0u32..)
         .zip(mesh.triangles())
-        .map(|(number, triangle)| Source::new(&triangle, number))
+        .filter_map(|(number, triangle)| Polygon::from_triangle(&triangle, number))
         .collect();
     let planes: Vec<Option<Plane>> = mesh
         .triangles()
@@ -65,14 +66,14 @@ pub(crate) fn build(mesh: &TriangleMesh, options: &BspOptions) -> Subtree {
         clippy::cast_sign_loss,
         reason = "at least 1 times the number, and cut to the limit below"
     )]
-    let budget = (options.max_growth * sources.len() as f64) as usize;
+    let budget = (options.max_growth * polygons.len() as f64) as usize;
     let root = Task {
-        pieces: sources.iter().map(Source::piece).collect(),
+        pieces: polygons.iter().map(Piece::whole).collect(),
         cell: needs_cells.then(|| Cell::from_aabb(&bounds)),
         is_flat: false,
         depth: 0,
         seed: Seed::new(options.seed),
-        budget: budget.clamp(sources.len(), MAX_REFERENCES),
+        budget: budget.clamp(polygons.len(), MAX_REFERENCES),
     };
     let builder = Builder {
         options,
