@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2, Vec3};
 use tahko_geometry::{MeshError, Transform, TriangleMesh};
 use thiserror::Error;
 
+use super::light::default_lighting;
 use super::{Camera, CameraError, Light, Material, Part, Scene, Texture};
 
 /// Names a material of a [`SceneBuilder`].
@@ -63,7 +64,7 @@ pub enum SceneError {
 
 /// Collects the parts of a scene.
 ///
-/// What is not given gets a default: a camera that frames the whole scene, and a light over its left shoulder.
+/// What is not given gets a default: a camera that frames the whole scene, and a light at or behind the camera.
 #[derive(Clone, Debug, Default)]
 pub struct SceneBuilder {
     vertices: Vec<Vec3>,
@@ -240,8 +241,9 @@ impl SceneBuilder {
         let mut lights = self.lights;
         let mut ambient = self.ambient.unwrap_or(Vec3::ZERO);
         if lights.is_empty() {
-            lights.push(default_light(&camera));
-            ambient = self.ambient.unwrap_or(DEFAULT_AMBIENT);
+            let (light, default_ambient) = default_lighting(&camera, &mesh.aabb());
+            lights.push(light);
+            ambient = self.ambient.unwrap_or(default_ambient);
         }
         Ok(Scene {
             mesh,
@@ -258,17 +260,6 @@ impl SceneBuilder {
 }
 
 const DEFAULT_BACKGROUND: Vec3 = Vec3::new(0.2, 0.25, 0.3);
-const DEFAULT_AMBIENT: Vec3 = Vec3::splat(0.15);
-
-/// Parallel light from behind the camera, from the left and above. It would light a white surface that faces it to
-/// a radiance of 1.
-fn default_light(camera: &Camera) -> Light {
-    let direction = camera.direction(DVec3::new(0.4, -0.6, -1.0));
-    Light::Directional {
-        direction: direction.normalize_or(DVec3::NEG_Y),
-        irradiance: Vec3::splat(std::f32::consts::PI),
-    }
-}
 
 fn check_attributes(part: &MeshPart) -> Result<(), SceneError> {
     let counts = [

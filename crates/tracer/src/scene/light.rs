@@ -1,6 +1,11 @@
 //! Light sources without extent, as in `KHR_lights_punctual`.
 
+use std::f64::consts::PI;
+
 use glam::{DVec3, Vec3};
+use tahko_geometry::Aabb;
+
+use super::Camera;
 
 /// A light source without extent. Colours are linear RGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,9 +100,64 @@ fn from_position(point: DVec3, position: DVec3, intensity: Vec3) -> Option<Illum
     })
 }
 
+/// Light for a scene without any: a source and ambient light.
+///
+/// A camera outside the scene gets parallel light from behind it, from the left and above; a camera inside, where walls would
+/// block that, a point light at its own place. A white surface that faces the light (at half the radius of the bounds, for
+/// the point light) then has a radiance of about 1.
+pub(super) fn default_lighting(camera: &Camera, bounds: &Aabb) -> (Light, Vec3) {
+    let position = camera.position();
+    if bounds.contains(position.as_vec3()) {
+        let radius = 0.5 * (bounds.max.as_dvec3() - bounds.min.as_dvec3()).length();
+        let intensity = DVec3::splat(0.6 * PI * (0.5 * radius).powi(2)).as_vec3();
+        return (
+            Light::Point {
+                position,
+                intensity,
+            },
+            Vec3::splat(0.3),
+        );
+    }
+    let direction = camera.direction(DVec3::new(0.4, -0.6, -1.0));
+    let light = Light::Directional {
+        direction: direction.normalize_or(DVec3::NEG_Y),
+        irradiance: DVec3::splat(PI).as_vec3(),
+    };
+    (light, Vec3::splat(0.15))
+}
+
 #[cfg(test)]
 mod tests {
+    use tahko_geometry::Transform;
+
     use super::*;
+    use crate::scene::{FieldOfView, Projection};
+
+    #[test]
+    fn the_default_light_is_at_a_camera_inside_the_scene_and_behind_one_outside() {
+        let camera_at = |position: DVec3| {
+            let projection = Projection::Perspective(FieldOfView {
+                degrees: 40.0,
+                spans_shorter_side: false,
+            });
+            Camera::new(Transform::translation(position), projection).unwrap()
+        };
+        let bounds = Aabb::new(Vec3::NEG_ONE, Vec3::ONE);
+        let (inside, _) = default_lighting(&camera_at(DVec3::splat(0.5)), &bounds);
+        assert!(
+            matches!(inside, Light::Point { position, .. } if position == DVec3::splat(0.5)),
+            "{inside:?}"
+        );
+        let (outside, _) = default_lighting(&camera_at(DVec3::Z * 5.0), &bounds);
+        let from_behind =
+            matches!(outside, Light::Directional { direction, .. } if direction.z < 0.0);
+        assert!(from_behind, "{outside:?}");
+        let (nothing_to_see, _) = default_lighting(&camera_at(DVec3::ZERO), &Aabb::EMPTY);
+        assert!(
+            nothing_to_see.illuminate(DVec3::ONE).is_some(),
+            "an empty scene"
+        );
+    }
 
     #[test]
     fn point_lights_fall_off_with_the_square_of_the_distance() {

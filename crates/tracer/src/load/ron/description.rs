@@ -21,7 +21,7 @@ pub(super) struct SceneDescription {
     pub(super) ambient: Option<Triple<f32>>,
     /// Factor from radiance to display values, 1 if left out.
     pub(super) exposure: Option<f32>,
-    /// A light over the camera's left shoulder if there are none, here and in the files of the objects.
+    /// A light at or behind the camera if there are none, here and in the files of the objects.
     #[serde(default)]
     pub(super) lights: Vec<LightDescription>,
     #[serde(default)]
