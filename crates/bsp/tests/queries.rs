@@ -6,25 +6,10 @@ use common::{all_options, build};
 use proptest::prelude::*;
 use tahko_bsp::{BspOptions, SplittingPlanes};
 use tahko_geometry::test_support::{
-    assert_answers_like_brute_force, degenerate_meshes, mesh, ray, rays_at_features, soup,
+    assert_answers_like_brute_force, degenerate_meshes, invalid_rays, mesh, ray, rays_along_axes,
+    rays_at_features, soup,
 };
 use tahko_geometry::{Precision, QueryCounts, Ray, RayQuery, glam::Vec3};
-
-/// Rays along the axes, with zeros of both signs, through the corners of a mesh's triangles.
-fn parallel_rays(mesh: &tahko_geometry::TriangleMesh) -> Vec<Ray> {
-    let directions = [
-        Vec3::X,
-        Vec3::new(-0.0, -1.0, 0.0),
-        Vec3::new(0.0, -0.0, 1.0),
-        Vec3::new(-1.0, -0.0, -0.0),
-    ];
-    let corners = mesh.triangles().flat_map(|triangle| triangle.vertices());
-    let rays = corners.flat_map(|corner| {
-        directions
-            .map(|direction| Ray::with_interval(corner - direction, direction, -1.0, f32::INFINITY))
-    });
-    rays.collect()
-}
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
@@ -98,7 +83,7 @@ proptest! {
 fn degenerate_meshes_are_answered_like_brute_force() {
     for (name, mesh) in degenerate_meshes() {
         let mut rays = rays_at_features(&mesh);
-        rays.extend(parallel_rays(&mesh));
+        rays.extend(rays_along_axes(&mesh));
         // Enough of each kind for the larger meshes too.
         let step = rays.len().div_ceil(500).max(1);
         let rays: Vec<Ray> = rays.into_iter().step_by(step).collect();
@@ -130,29 +115,7 @@ fn rays_that_are_not_valid_hit_nothing_and_visit_nothing() {
     let good = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
     assert!(tree.any_hit(&good), "the valid ray hits");
     let mut counts = QueryCounts::default();
-    for bad in [
-        Ray {
-            direction: Vec3::ZERO,
-            ..good
-        },
-        Ray {
-            direction: Vec3::NAN,
-            ..good
-        },
-        Ray {
-            origin: Vec3::INFINITY,
-            ..good
-        },
-        Ray {
-            t_min: 2.0,
-            t_max: 1.0,
-            ..good
-        },
-        Ray {
-            t_max: f32::NAN,
-            ..good
-        },
-    ] {
+    for bad in invalid_rays(good) {
         assert_eq!(tree.closest_hit_counted(&bad, &mut counts), None, "{bad:?}");
         assert!(!tree.any_hit_counted(&bad, &mut counts), "{bad:?}");
     }

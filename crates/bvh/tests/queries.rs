@@ -3,9 +3,10 @@
 use proptest::prelude::*;
 use tahko_bvh::{Bvh, BvhOptions};
 use tahko_geometry::test_support::{
-    assert_answers_like_brute_force, degenerate_meshes, mesh, ray, rays_at_features,
+    assert_answers_like_brute_force, degenerate_meshes, invalid_rays, mesh, ray, rays_along_axes,
+    rays_at_features,
 };
-use tahko_geometry::{Axis, Precision, QueryCounts, Ray, RayQuery, TriangleMesh, glam::Vec3};
+use tahko_geometry::{Precision, QueryCounts, Ray, RayQuery, TriangleMesh, glam::Vec3};
 
 /// The presets, and options that lead to the deepest and the flattest trees.
 fn all_options() -> Vec<(&'static str, BvhOptions)> {
@@ -76,29 +77,11 @@ proptest! {
     }
 }
 
-/// Rays along each axis, in both directions and with zeros of both signs, through up to 60 vertices of a mesh.
-fn parallel_rays(mesh: &TriangleMesh) -> Vec<Ray> {
-    let mut rays = Vec::new();
-    let step = mesh.vertices().len().div_ceil(60).max(1);
-    for vertex in mesh.vertices().iter().step_by(step) {
-        for axis in Axis::ALL {
-            for (zero, sign) in [(0.0, 1.0), (-0.0, -1.0), (0.0, -1.0), (-0.0, 1.0)] {
-                let mut direction = Vec3::splat(zero);
-                direction[axis as usize] = sign;
-                let mut origin = *vertex;
-                origin[axis as usize] -= 3.0 * sign;
-                rays.push(Ray::new(origin, direction));
-            }
-        }
-    }
-    rays
-}
-
 #[test]
 fn degenerate_meshes_build_and_answer_like_brute_force() {
     for (name, mesh) in degenerate_meshes() {
         check(name, &mesh, &rays_at_features(&mesh));
-        check(name, &mesh, &parallel_rays(&mesh));
+        check(name, &mesh, &rays_along_axes(&mesh));
     }
 }
 
@@ -114,7 +97,7 @@ fn a_grid_of_boxes_touched_at_their_faces_answers_like_brute_force() {
         ]
     });
     let mesh = tahko_geometry::test_support::soup(corners.collect());
-    check("grid", &mesh, &parallel_rays(&mesh));
+    check("grid", &mesh, &rays_along_axes(&mesh));
     check("grid", &mesh, &rays_at_features(&mesh));
 }
 
@@ -134,29 +117,7 @@ fn rays_that_are_not_valid_hit_nothing_and_visit_nothing() {
     let good = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
     assert!(bvh.any_hit(&good), "the valid ray hits");
     let mut counts = QueryCounts::default();
-    for bad in [
-        Ray {
-            direction: Vec3::ZERO,
-            ..good
-        },
-        Ray {
-            direction: Vec3::NAN,
-            ..good
-        },
-        Ray {
-            origin: Vec3::INFINITY,
-            ..good
-        },
-        Ray {
-            t_min: 2.0,
-            t_max: 1.0,
-            ..good
-        },
-        Ray {
-            t_max: f32::NAN,
-            ..good
-        },
-    ] {
+    for bad in invalid_rays(good) {
         assert_eq!(bvh.closest_hit_counted(&bad, &mut counts), None, "{bad:?}");
         assert!(!bvh.any_hit_counted(&bad, &mut counts), "{bad:?}");
     }

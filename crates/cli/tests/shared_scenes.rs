@@ -6,18 +6,13 @@ mod common;
 
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::thread;
-use std::time::{Duration, Instant};
 
-use common::{Run, Sandbox, files_below};
+use common::{Run, Sandbox, files_below, wait};
 
 const EXTENSIONS: [&str; 5] = ["gltf", "glb", "obj", "ply", "stl"];
 
 /// Larger files take too long without optimisation.
 const MAX_BYTES: u64 = 1 << 20;
-
-/// No file may take longer than this.
-const DEADLINE: Duration = Duration::from_secs(60);
 
 /// Files in folders of valid files that cannot be rendered all the same, and why.
 const BROKEN: [(&str, &str); 2] = [
@@ -137,7 +132,6 @@ fn render_all(folders: &[&str], judge: impl Fn(&str, &Run) -> bool) {
 #[expect(clippy::unwrap_used, reason = "a part of tests")]
 fn render(path: &PathBuf) -> Run {
     let sandbox = Sandbox::new();
-    let start = Instant::now();
     let mut child = sandbox
         .command("render -o a.png --width 40 --height 30")
         .arg(path)
@@ -145,12 +139,9 @@ fn render(path: &PathBuf) -> Run {
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    while child.try_wait().unwrap().is_none() {
-        if start.elapsed() > DEADLINE {
-            child.kill().unwrap();
-            panic!("{} takes too long", path.display());
-        }
-        thread::sleep(Duration::from_millis(2));
+    if !wait::comes_true(|| child.try_wait().unwrap().is_some()) {
+        child.kill().unwrap();
+        panic!("{} takes too long", path.display());
     }
     let run = Run::from(child.wait_with_output().unwrap());
     if run.code == Some(0) {

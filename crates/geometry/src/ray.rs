@@ -67,14 +67,7 @@ mod tests {
     fn rays_with_nan_or_an_empty_interval_are_not_valid() {
         let good = Ray::new(Vec3::ZERO, Vec3::X);
         assert!(good.is_valid(), "a plain ray is valid");
-        for bad in [
-            Ray::new(Vec3::new(f32::NAN, 0.0, 0.0), Vec3::X),
-            Ray::new(Vec3::ZERO, Vec3::new(f32::INFINITY, 0.0, 0.0)),
-            Ray::new(Vec3::ZERO, Vec3::ZERO),
-            Ray::with_interval(Vec3::ZERO, Vec3::X, 2.0, 1.0),
-            Ray::with_interval(Vec3::ZERO, Vec3::X, f32::NAN, 1.0),
-            Ray::with_interval(Vec3::ZERO, Vec3::X, 0.0, f32::NAN),
-        ] {
+        for bad in crate::test_support::invalid_rays(good) {
             assert!(!bad.is_valid(), "{bad:?} must not be valid");
         }
     }

@@ -85,6 +85,52 @@ fn parallel_ray(mut origin: Vec3, axis: Axis, signs: [bool; 3]) -> Ray {
     Ray::new(origin, direction)
 }
 
+/// Rays along each axis, in both directions and with zeros of both signs, through up to 60 vertices of a mesh and the corners of
+/// its bounds, from a distance and from the very point: in splitting planes, in faces of boxes, and along edges.
+#[must_use]
+pub fn rays_along_axes(mesh: &TriangleMesh) -> Vec<Ray> {
+    let step = mesh.vertices().len().div_ceil(60).max(1);
+    let mut points: Vec<Vec3> = mesh.vertices().iter().copied().step_by(step).collect();
+    let bounds = mesh.aabb();
+    if !bounds.is_empty() {
+        points.extend([bounds.min, bounds.max, bounds.center()]);
+    }
+    let mut rays = Vec::new();
+    for point in points {
+        for axis in Axis::ALL {
+            for (zero, sign) in [(0.0, 1.0), (-0.0, -1.0), (0.0, -1.0), (-0.0, 1.0)] {
+                let mut direction = Vec3::splat(zero);
+                direction[axis as usize] = sign;
+                let mut start = point;
+                start[axis as usize] -= 16.0 * sign;
+                rays.extend([start, point].map(|origin| Ray::new(origin, direction)));
+            }
+        }
+    }
+    rays
+}
+
+/// Variants of a valid ray that are not valid, one for each reason.
+#[must_use]
+pub fn invalid_rays(good: Ray) -> [Ray; 6] {
+    let with =
+        |origin, direction, t_min, t_max| Ray::with_interval(origin, direction, t_min, t_max);
+    let Ray {
+        origin,
+        direction,
+        t_min,
+        t_max,
+    } = good;
+    [
+        with(Vec3::INFINITY, direction, t_min, t_max),
+        with(Vec3::NAN, direction, t_min, t_max),
+        with(origin, Vec3::ZERO, t_min, t_max),
+        with(origin, Vec3::NAN, t_min, t_max),
+        with(origin, direction, 2.0, 1.0),
+        with(origin, direction, t_min, f32::NAN),
+    ]
+}
+
 /// Rays that aim at every vertex, edge midpoint and centroid of a mesh, from a few places.
 #[must_use]
 pub fn rays_at_features(mesh: &TriangleMesh) -> Vec<Ray> {

@@ -1,9 +1,9 @@
 //! Every policy at every precision answers like brute force, and every tree is well formed.
 
 use proptest::prelude::*;
-use tahko_geometry::glam::Vec3;
 use tahko_geometry::test_support::{
-    assert_answers_like_brute_force, degenerate_meshes, mesh, ray, rays_at_features,
+    assert_answers_like_brute_force, degenerate_meshes, mesh, ray, rays_along_axes,
+    rays_at_features,
 };
 use tahko_geometry::{Precision, Ray, TriangleMesh};
 use tahko_kdtree::{KdTree, KdTreeOptions, SplitPolicy};
@@ -32,28 +32,6 @@ fn check(name: &str, mesh: &TriangleMesh, rays: &[Ray]) {
             assert_answers_like_brute_force(name, &tree, mesh, precision, rays);
         }
     }
-}
-
-/// Rays along the axes, with zeros of both signs, through every vertex and every corner of the bounds: in the
-/// splitting planes, in faces of cells, and along edges.
-fn rays_along_axes(mesh: &TriangleMesh) -> Vec<Ray> {
-    let bounds = mesh.aabb();
-    let mut points: Vec<Vec3> = mesh.vertices().to_vec();
-    points.truncate(40);
-    if !bounds.is_empty() {
-        points.extend([bounds.min, bounds.max, bounds.center()]);
-    }
-    let directions = [Vec3::X, Vec3::Y, Vec3::Z]
-        .into_iter()
-        .flat_map(|axis| [axis, -axis]);
-    let directions: Vec<Vec3> = directions.collect();
-    let through = |point: Vec3| {
-        directions.iter().flat_map(move |direction| {
-            let start = point - 16.0 * *direction;
-            [Ray::new(start, *direction), Ray::new(point, *direction)]
-        })
-    };
-    points.into_iter().flat_map(through).collect()
 }
 
 proptest! {

@@ -7,6 +7,8 @@
     reason = "these are parts of tests"
 )]
 
+pub(crate) mod wait;
+
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
