@@ -1,5 +1,47 @@
-//! Rays, triangles, planes and polygons: the geometry that tahko's structures share.
-#![cfg_attr(not(test), warn(missing_docs))]
+//! The geometry that tahko's structures share: rays, triangles, planes, polygons, and one way to ask for hits.
+//!
+//! Start with [`TriangleMesh`] for the triangles, [`Ray`] for the question and [`RayQuery`] for the answer. [`BruteForce`] answers
+//! by testing every triangle; the crates `tahko-bvh`, `tahko-kdtree` and `tahko-bsp` give the same answers faster.
+//!
+//! ```
+//! use tahko_geometry::{BruteForce, Precision, Ray, RayQuery, TriangleMesh, glam::Vec3};
+//!
+//! // A square of two triangles in the plane z = 0.
+//! let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+//! let vertices = corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
+//! let mesh = TriangleMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]])?;
+//! let square = BruteForce::new(&mesh, Precision::Watertight);
+//!
+//! // A ray straight down through the second triangle: t counts in lengths of the direction.
+//! let hit = square.closest_hit(&Ray::new(Vec3::new(0.25, 0.75, 3.0), Vec3::NEG_Z * 2.0)).expect("the square is below");
+//! assert_eq!((hit.primitive, hit.t), (1, 1.5));
+//! assert!(!square.any_hit(&Ray::new(Vec3::new(2.0, 0.5, 3.0), Vec3::NEG_Z)));
+//! # Ok::<(), tahko_geometry::MeshError>(())
+//! ```
+//!
+//! Polygons are cut by planes in f64; the parts keep the number of the original:
+//!
+//! ```
+//! use tahko_geometry::{Plane, Polygon, Split, glam::DVec3};
+//!
+//! let triangle = Polygon::new(vec![DVec3::ZERO, DVec3::X * 4.0, DVec3::Y * 4.0], 7)?;
+//! let plane = Plane::from_point_normal(DVec3::X, DVec3::X).expect("the normal is not zero");
+//! let Split::Spanning { front, back } = triangle.split(&plane) else { panic!("the plane cuts it") };
+//! assert_eq!((front.area(), back.area(), front.id()), (4.5, 3.5, 7));
+//! # Ok::<(), tahko_geometry::PolygonError>(())
+//! ```
+//!
+//! # Numerical guarantees
+//! - A hit has `t` in the closed interval of the ray. The closest hit is the smallest `t`, then the smallest triangle index. A ray in
+//!   the plane of a triangle does not hit it, and a triangle without area is never hit.
+//! - [`Precision::Watertight`]: no ray passes between triangles that share an edge or a vertex. [`Precision::Fast`]: a ray that passes
+//!   an edge closely may be lost. See [`kernel`].
+//! - Whatever a kernel accepts lies in a cell that [`ConservativeRay`] visits, so every structure gives the answer of brute force,
+//!   bit for bit.
+//! - Coordinates may be any finite f32. Where differences of coordinates overflow, a triangle may not be hit.
+//!
+//! # Features
+//! - `test-support`: random and degenerate meshes and rays, and the comparison with brute force, for the tests of structures.
 
 mod aabb;
 mod axis;
