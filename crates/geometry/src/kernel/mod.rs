@@ -11,6 +11,7 @@
 //! [`ConservativeRay`](crate::ConservativeRay) widens box and plane tests by that distance. So whatever a
 //! kernel accepts lies in a cell that the traversal visits, and all structures give the answer of brute force.
 
+mod confirm;
 mod moller_trumbore;
 mod woop;
 

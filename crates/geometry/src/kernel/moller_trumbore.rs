@@ -1,7 +1,8 @@
 //! The fast kernel.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
+use super::confirm;
 use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
 
 /// The ray/triangle test of Möller and Trumbore: the fast kernel.
@@ -10,6 +11,7 @@ use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
 /// between origin and triangle, more where the triangle is a needle seen at a grazing angle), so rays
 /// can slip between neighbouring triangles. Triangles that pass are confirmed by the same test in f64,
 /// which throws out what the rounding of the filter let through; `t` is correct to about one f32 ulp.
+/// Where the products of the direction and two edges leave the range of f32, hits are lost.
 /// Triangles so thin or so grazing that their determinant cancels by more than 30 bits are not hit.
 ///
 /// Source: Möller and Trumbore, "Fast, minimum storage ray/triangle intersection", 1997; without its
@@ -20,14 +22,8 @@ pub struct MollerTrumbore {
     direction: Vec3,
 }
 
-/// A determinant below this part of the sum of its terms' magnitudes is noise: see [`MollerTrumbore`].
-/// At `2^-30` the f64 determinant still has 20 correct bits, and `u`, `v`, `t` with it.
-const CANCELLATION_LIMIT: f64 = 1.0 / (1u64 << 30) as f64;
-
 impl TriangleKernel for MollerTrumbore {
-    // The f64 confirmation places a hit within 2^-50 / CANCELLATION_LIMIT = 2^-20 of the triangle's size
-    // at worst.
-    const REACH: f32 = 16.0;
+    const REACH: f32 = confirm::REACH;
 
     fn new(ray: &Ray) -> Self {
         Self {
@@ -57,48 +53,16 @@ impl TriangleKernel for MollerTrumbore {
         if !inside {
             return None;
         }
-        // Most candidates behind the best hit so far end here; a relative slack of 2^-10 keeps the
-        // rounded comparison from deciding what the confirmation should.
-        let t = edge2.dot(q) / determinant;
-        if t > t_max + t_max.abs() * (1.0 / 1024.0) {
-            return None;
-        }
+        // No look at `t` here: rounded to f32 it is too uncertain on needles, and what it threw out would depend
+        // on the order in which triangles are tested.
         self.confirm(triangle, t_min, t_max)
     }
 }
 
 impl MollerTrumbore {
-    /// The same test in f64.
     #[inline(never)]
     fn confirm(&self, triangle: &Triangle, t_min: f32, t_max: f32) -> Option<TriangleHit> {
-        let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
-        let direction = self.direction.as_dvec3();
-        let edge1 = b - a;
-        let edge2 = c - a;
-        let p = direction.cross(edge2);
-        let determinant = edge1.dot(p);
-        let magnitude = edge1
-            .abs()
-            .dot(cross_of_magnitudes(direction.abs(), edge2.abs()));
-        if determinant.abs() <= CANCELLATION_LIMIT * magnitude || triangle.is_degenerate() {
-            return None;
-        }
-        let from_a = self.origin.as_dvec3() - a;
-        let u = from_a.dot(p) / determinant;
-        let q = from_a.cross(edge1);
-        let v = direction.dot(q) / determinant;
-        if !(u >= 0.0 && v >= 0.0 && u + v <= 1.0) {
-            return None;
-        }
-        TriangleHit::rounded(edge2.dot(q) / determinant, u, v, t_min, t_max)
+        let [t, u, v] = confirm::intersect(self.origin, self.direction, triangle)?;
+        TriangleHit::rounded(t, u, v, t_min, t_max)
     }
-}
-
-/// The cross product with sums for differences: the magnitude that its rounding is relative to.
-fn cross_of_magnitudes(a: DVec3, b: DVec3) -> DVec3 {
-    DVec3::new(
-        a.y * b.z + a.z * b.y,
-        a.z * b.x + a.x * b.z,
-        a.x * b.y + a.y * b.x,
-    )
 }

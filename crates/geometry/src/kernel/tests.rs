@@ -121,6 +121,29 @@ fn overflowing_coordinates_are_misses_or_hits_but_never_nan() {
     });
 }
 
+#[test]
+fn a_needle_is_hit_though_its_t_is_lost_in_f32() {
+    // Found by the property below, when the fast kernel looked at t in f32 before it confirmed: t was off by more than 1/1024.
+    let a = Vec3::new(-0.609_130_6, 0.0, 0.0);
+    let direction = Vec3::new(-0.200_560_73, -0.924_464_7, -0.237_459_96);
+    let across = Vec3::new(-0.246_011_02, 0.0, 0.0) * 0.5f32.powi(13);
+    let triangle = Triangle::new(a, a + direction, a + 0.5 * direction + across);
+    let origin = Vec3::new(0.988_895_95, -0.615_567_9, -0.146_488_03);
+    let (u, v) = (0.414_777_04, 0.192_433_85 * (1.0 - 0.414_777_04));
+    let ray = Ray::new(
+        origin,
+        a + u * (triangle.b - a) + v * (triangle.c - a) - origin,
+    );
+    for_both(|hit| {
+        let found = hit(&ray, &triangle).expect("aimed at the inside");
+        let shortened = Ray {
+            t_max: found.t,
+            ..ray
+        };
+        assert_eq!(hit(&shortened, &triangle), Some(found));
+    });
+}
+
 proptest! {
     /// The theorem of the watertight kernel: of two triangles that share an edge, with their other corners on
     /// either side of it as seen along the ray, at least one is hit.
@@ -141,6 +164,27 @@ proptest! {
         let hits = [Triangle::new(a, b, c), Triangle::new(b, a, d)]
             .map(|triangle| hit::<Woop>(&ray, &triangle).is_some());
         prop_assert!(hits[0] || hits[1]);
+    }
+
+    /// The verdict on a triangle must not depend on what was hit before: a hit is found again with `t_max` at its `t`, also on
+    /// needles, where f32 knows little of `t`.
+    #[test]
+    fn a_hit_is_found_again_with_t_max_at_its_t(
+        [a, direction, across] in prop::array::uniform3(test_support::point(1.0)),
+        width in 0i32..24,
+        weights in (0.0f32..1.0, 0.0f32..1.0),
+        origin in test_support::point(3.0),
+    ) {
+        let triangle = Triangle::new(a, a + direction, a + 0.5 * direction + across * 0.5f32.powi(width));
+        let (u, v) = (weights.0, weights.1 * (1.0 - weights.0));
+        let target = a + u * (triangle.b - a) + v * (triangle.c - a);
+        let ray = Ray::new(origin, target - origin);
+        for hit in [hit::<MollerTrumbore>, hit::<Woop>] {
+            if let Some(found) = hit(&ray, &triangle) {
+                let shortened = Ray { t_max: found.t, ..ray };
+                prop_assert_eq!(hit(&shortened, &triangle), Some(found));
+            }
+        }
     }
 
     /// Clear hits and misses are the same for both kernels, and t agrees to a few ulp.

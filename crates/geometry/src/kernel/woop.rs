@@ -14,16 +14,18 @@
 //! Its error is at most `2^-24 (2 |dx| + 4 |dz|)` to first order, and that of the depth `2^-24 |dz|`:
 //! at most `6 * 2^-24 m`. The weights of an accepted triangle are exact products subtracted once, hence
 //! correct to `2^-53` of themselves, and of one sign: the point of the true triangle with these weights is
-//! within that distance of the ray at `t`. `REACH` is 8 to cover the terms of second order.
+//! within that distance of the ray at the interpolated `t`. Where the ray meets the true triangle, as it does nearly always,
+//! `t` and the weights are those of the confirmation instead, whose reach is larger.
 //!
 //! **Seams.** A triangle without area is never hit, though its rounded projection may have some. Where such a triangle closes
 //! a T-junction, the rounded projections of its neighbours can leave a gap as wide as the rounding.
 //!
 //! Source: Woop, Benthin, Wald, "Watertight ray/triangle intersection", JCGT 2013. Differs in deciding the
-//! sign by comparing products, and in computing the weights in f64.
+//! sign by comparing products, and in confirming in f64.
 
 use glam::{DVec3, Vec3};
 
+use super::confirm;
 use crate::{Axis, Ray, Triangle, TriangleHit, TriangleKernel};
 
 /// The ray/triangle test of Woop, Benthin and Wald: the watertight kernel.
@@ -39,7 +41,7 @@ pub struct Woop {
     z: usize,
     x: usize,
     y: usize,
-    direction_z: f64,
+    direction: Vec3,
 }
 
 /// A vertex seen from the ray: projected along it, with its depth along the dominant axis.
@@ -51,7 +53,7 @@ struct Projected {
 }
 
 impl TriangleKernel for Woop {
-    const REACH: f32 = 8.0;
+    const REACH: f32 = confirm::REACH;
 
     fn new(ray: &Ray) -> Self {
         let axis = Axis::dominant(ray.direction);
@@ -63,7 +65,7 @@ impl TriangleKernel for Woop {
             z,
             x,
             y,
-            direction_z: f64::from(ray.direction[z]),
+            direction: ray.direction,
         }
     }
 
@@ -81,7 +83,7 @@ impl TriangleKernel for Woop {
         if triangle.is_degenerate() {
             return None;
         }
-        self.confirm([a, b, c], t_min, t_max)
+        self.confirm(triangle, [a, b, c], t_min, t_max)
     }
 }
 
@@ -97,9 +99,22 @@ impl Woop {
         }
     }
 
-    /// Weights, depth and `t` of a triangle whose projection contains the origin.
+    /// `t` and the weights of a triangle whose rounded projection contains the origin: those of the confirmation
+    /// where the ray does meet the triangle, and else those of the projection.
     #[inline(never)]
-    fn confirm(&self, [a, b, c]: [Projected; 3], t_min: f32, t_max: f32) -> Option<TriangleHit> {
+    fn confirm(
+        &self,
+        triangle: &Triangle,
+        projected: [Projected; 3],
+        t_min: f32,
+        t_max: f32,
+    ) -> Option<TriangleHit> {
+        let [t, u, v] = confirm::intersect(self.origin, self.direction, triangle)
+            .unwrap_or_else(|| self.interpolate(projected));
+        TriangleHit::rounded(t, u, v, t_min, t_max)
+    }
+
+    fn interpolate(&self, [a, b, c]: [Projected; 3]) -> [f64; 3] {
         let weights = DVec3::new(
             edge_function(c, b),
             edge_function(a, c),
@@ -107,9 +122,8 @@ impl Woop {
         );
         let depths = DVec3::new(f64::from(a.z), f64::from(b.z), f64::from(c.z));
         let determinant = weights.element_sum();
-        let t = weights.dot(depths) / (determinant * self.direction_z);
-        let [u, v] = [weights.y / determinant, weights.z / determinant];
-        TriangleHit::rounded(t, u, v, t_min, t_max)
+        let t = weights.dot(depths) / (determinant * f64::from(self.direction[self.z]));
+        [t, weights.y / determinant, weights.z / determinant]
     }
 }
 
