@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use tahko_tracer::geometry::{Hit, Ray, RayQuery, Triangle, TriangleMesh};
 
 /// How the closest hits of a structure differ from the exact ones.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(crate) struct Errors {
     pub(crate) rays: usize,
     /// Rays that the structure says hit something, and that hit nothing.

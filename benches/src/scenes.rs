@@ -41,6 +41,9 @@ impl Effort {
     };
 }
 
+/// Rays of a class whose errors are counted at least, however large the scene.
+const MIN_AUDITED: usize = 16;
+
 /// The scenes that ship with the project.
 pub(crate) fn shipped() -> Result<Vec<PathBuf>> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
@@ -94,14 +97,17 @@ pub(crate) fn measure(file: &Path, effort: &Effort) -> Result<()> {
         if rays.is_empty() {
             continue;
         }
-        let audited = &rays[..rays
-            .len()
-            .min(effort.oracle_tests / scene.mesh().len().max(1))];
+        let affordable = (effort.oracle_tests / scene.mesh().len().max(1)).max(MIN_AUDITED);
+        let audited = &rays[..rays.len().min(affordable)];
         let answers = oracle::closest_hits(scene.mesh(), audited);
         let rates = rates(&contenders, class, &rays, effort);
-        for (contender, rates) in contenders.iter().zip(rates) {
-            let errors = oracle::compare(contender.accelerator.query(), audited, &answers);
-            rows.push(row(contender, class, &rays, rates, &errors));
+        let errors: Vec<Errors> = contenders
+            .iter()
+            .map(|contender| oracle::compare(contender.accelerator.query(), audited, &answers))
+            .collect();
+        check_agreement(&contenders, &errors).with_context(|| format!("{name}, {class:?} rays"))?;
+        for ((contender, rates), errors) in contenders.iter().zip(rates).zip(&errors) {
+            rows.push(row(contender, class, &rays, rates, errors));
         }
     }
     let header = [
@@ -120,6 +126,21 @@ pub(crate) fn measure(file: &Path, effort: &Effort) -> Result<()> {
         "t error ulp",
     ];
     table::print(&header, rows, 3);
+    Ok(())
+}
+
+/// Structures give the same answers at the same precision, so their errors are the same.
+fn check_agreement(contenders: &[Contender], errors: &[Errors]) -> Result<()> {
+    for (contender, errors_here) in contenders.iter().zip(errors) {
+        let same_precision = |other: &&Contender| other.precision == contender.precision;
+        let first = contenders.iter().position(|other| same_precision(&other));
+        if first.is_some_and(|first| errors[first] != *errors_here) {
+            let (structure, precision) = (contender.kind.name(), contender.precision.name());
+            bail!(
+                "{structure} at {precision} does not answer as brute force does: {errors_here:?}"
+            );
+        }
+    }
     Ok(())
 }
 
@@ -226,7 +247,7 @@ fn row(
     let per_ray = |count: u64| table::three_digits(count as f64 / counted.len() as f64);
     vec![
         class.name().to_owned(),
-        precision_name(contender.precision).to_owned(),
+        contender.precision.name().to_owned(),
         contender.kind.name().to_owned(),
         table::three_digits(median),
         format!("{spread:.0}"),
@@ -239,11 +260,4 @@ fn row(
         errors.wrong_triangles.to_string(),
         format!("{:.2}", errors.largest_t_error),
     ]
-}
-
-const fn precision_name(precision: Precision) -> &'static str {
-    match precision {
-        Precision::Fast => "fast",
-        _ => "watertight",
-    }
 }

@@ -46,6 +46,10 @@ pub(crate) const STEPS: &[Step] = &[
     Step::new("examples", "cargo build --workspace --examples"),
     Step::new("golden", "cargo xtask golden"),
     Step::new("bench", "cargo run --release -p tahko-bench -- --quick"),
+    Step::new(
+        "growth",
+        "cargo run --release -p tahko-bench -- --growth --quick",
+    ),
 ];
 
 /// A command that must succeed.
@@ -174,7 +178,10 @@ mod tests {
 
     #[test]
     fn from_leaves_out_the_steps_before_and_only_all_others() {
-        assert_eq!(names_of(Some("golden"), None), ["golden", "bench"]);
+        assert_eq!(
+            names_of(Some("golden"), None),
+            ["golden", "bench", "growth"]
+        );
         assert_eq!(names_of(None, Some("tidy")), ["tidy"]);
     }
 

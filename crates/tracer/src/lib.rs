@@ -41,3 +41,8 @@ pub mod scene;
 
 pub use output::write_atomically;
 pub use tahko_geometry as geometry;
+
+/// Compiles and runs the example of the README.
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;
