@@ -29,15 +29,35 @@ impl RayClass {
         }
     }
 
-    /// A set of at most `count` rays. `query` finds the hits that shadow rays start from.
+    /// A set of at most `count` rays, every beginning of which is spread over the whole. `query` finds the hits that shadow
+    /// rays start from.
     pub(crate) fn rays(self, scene: &Scene, query: &dyn RayQuery, count: usize) -> Vec<Ray> {
-        match self {
+        let rays = match self {
             Self::Primary => primary(scene, count),
             Self::Shadow => shadow(scene, query, count),
             Self::Random => random(&scene.mesh().aabb(), count),
             Self::Aimed => aimed(scene, count),
-        }
+        };
+        spread(&rays)
     }
+}
+
+/// Neighbours that stay together, as coherent as they were.
+const CHUNK: usize = 64;
+
+/// The rays in another order of chunks, by the multiples of the golden ratio: slow structures trace and errors are counted on
+/// a beginning of the set, which must not be the upper part of a picture.
+fn spread(rays: &[Ray]) -> Vec<Ray> {
+    let mut chunks: Vec<(u64, &[Ray])> = (0u64..)
+        .zip(rays.chunks(CHUNK))
+        .map(|(index, chunk)| (index.wrapping_mul(0x9e37_79b9_7f4a_7c15), chunk))
+        .collect();
+    chunks.sort_unstable_by_key(|(place, _)| *place);
+    chunks
+        .into_iter()
+        .flat_map(|(_, chunk)| chunk)
+        .copied()
+        .collect()
 }
 
 fn primary(scene: &Scene, count: usize) -> Vec<Ray> {
@@ -133,5 +153,28 @@ impl Random {
     fn point_in(&mut self, bounds: &Aabb) -> Vec3 {
         let weights = Vec3::new(self.unit(), self.unit(), self.unit());
         bounds.min * (Vec3::ONE - weights) + bounds.max * weights
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_beginning_of_a_set_is_spread_over_the_whole() {
+        let ray = |index: u16| Ray::new(Vec3::X * f32::from(index), Vec3::Y);
+        let rays: Vec<Ray> = (0..6400).map(ray).collect();
+        let spread = spread(&rays);
+        let mut sorted: Vec<f32> = spread.iter().map(|ray| ray.origin.x).collect();
+        let mean = |places: &[f32]| places.iter().sum::<f32>() / places.len() as f32;
+        for length in [640, 1280, 3200] {
+            let mean = mean(&sorted[..length]);
+            assert!((mean - 3200.0).abs() < 640.0, "{length}: {mean}");
+        }
+        sorted.sort_by(f32::total_cmp);
+        assert!(
+            sorted.iter().copied().eq((0..6400u16).map(f32::from)),
+            "each ray once"
+        );
     }
 }
