@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, bail};
+use tahko_geometry::oracle::Oracle;
 use tahko_tracer::accelerator::{Accelerator, StructureKind};
 use tahko_tracer::geometry::{Precision, QueryCounts, Ray, RayQuery};
 use tahko_tracer::load::load_scene;
@@ -90,6 +91,7 @@ pub(crate) fn measure(file: &Path, effort: &Effort) -> Result<()> {
     }
     println!("## {name}, {} triangles\n", scene.mesh().len());
     print_builds(&contenders);
+    let oracle = Oracle::new(scene.mesh());
     let mut rows = Vec::new();
     for class in RayClass::ALL {
         let tracer = contenders[contenders.len() - 1].accelerator.query();
@@ -99,7 +101,7 @@ pub(crate) fn measure(file: &Path, effort: &Effort) -> Result<()> {
         }
         let affordable = (effort.oracle_tests / scene.mesh().len().max(1)).max(MIN_AUDITED);
         let audited = &rays[..rays.len().min(affordable)];
-        let answers = oracle::closest_hits(scene.mesh(), audited);
+        let answers: Vec<_> = audited.iter().map(|ray| oracle.closest_hit(ray)).collect();
         let rates = rates(&contenders, class, &rays, effort);
         let errors: Vec<Errors> = contenders
             .iter()

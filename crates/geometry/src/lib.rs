@@ -41,7 +41,8 @@
 //! - Coordinates may be any finite f32. Where differences of coordinates overflow, a triangle may not be hit.
 //!
 //! # Features
-//! - `test-support`: random and degenerate meshes and rays, and the comparison with brute force, for the tests of structures.
+//! - `oracle`: exact answers by brute force in rational numbers, to hold structures against.
+//! - `test-support` (with `oracle`): random and degenerate meshes and rays, and the comparison with brute force, for the tests of structures.
 
 mod aabb;
 mod axis;
@@ -49,6 +50,8 @@ mod brute_force;
 mod conservative_ray;
 pub mod kernel;
 mod mesh;
+#[cfg(feature = "oracle")]
+pub mod oracle;
 mod plane;
 mod polygon;
 pub mod query;
