@@ -13,9 +13,9 @@
 //! second by `7 u |D|`, in the norm of the largest coordinate, where `t |D|` is about the distance from `O` to `P`,
 //! at most `|O| + S` within the reach. Taken together, with `|n.x| + |n.y| + |n.z| <= sqrt(3)`,
 //!
-//! `E = sqrt(3) * margin + 32 (k + 8) u (|O| + S)`,
+//! `E = sqrt(3) * reach + 32 (k + 8) u (|O| + S)`,
 //!
-//! where [`ConservativeRay::margin`] has 8 units of `2^-24 M` to spare, covers all of it twice over: `s_o + t s_d >= -E`
+//! with [`ConservativeRay::reach`], zero for the exact kernels, covers all of it twice over: `s_o + t s_d >= -E`
 //! for what is in front, `<= E` for what is behind, and both for what is in the plane. `k` is at most the tree's depth.
 //!
 //! **In lengths of `t`**, with the ray turned so that `s_d >= 0`: the side that the ray comes from is visited up to
@@ -24,7 +24,7 @@
 //!
 //! **Rays along the plane.** For `s_d = 0` the bounds are infinities of the right sign where the origin is beyond `E`, and
 //! enclose everything where it is nearer: the ray visits one side, or both. Zero over zero is NaN, which the
-//! traversal's `min` and `max` ignore: it does not cull. An infinite margin (extreme coordinates) gives
+//! traversal's `min` and `max` ignore: it does not cull. An infinite reach (extreme coordinates) gives
 //! infinite bounds.
 
 use tahko_geometry::{Aabb, ConservativeRay, Plane, Ray, glam::DVec3};
@@ -69,7 +69,7 @@ impl PlaneCrosser {
         Self {
             origin,
             direction: ray.direction.as_dvec3(),
-            widening: 3.0f64.sqrt() * conservative.margin() + rounding,
+            widening: 3.0f64.sqrt() * conservative.reach() + rounding,
         }
     }
 

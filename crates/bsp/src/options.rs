@@ -93,7 +93,7 @@ impl BspOptions {
     #[must_use]
     pub const fn balanced() -> Self {
         Self {
-            precision: Precision::Watertight,
+            precision: Precision::Exact,
             splitter: Splitter::SurfaceArea,
             planes: SplittingPlanes::PolygonsEdgesAndAxes,
             candidates: Candidates::Sample(4),

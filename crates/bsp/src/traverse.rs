@@ -42,7 +42,6 @@ impl Traverse for BspTree {
             tree: self,
             kernel: K::new(ray),
             crosser: PlaneCrosser::new(ray, &conservative, self.depth(), &bounds),
-            t_min: ray.t_min,
         };
         // Broken off or at its end: the collector has the answer.
         let (ControlFlow::Break(()) | ControlFlow::Continue(())) =
@@ -54,7 +53,6 @@ struct Query<'a, K> {
     tree: &'a BspTree,
     kernel: K,
     crosser: PlaneCrosser,
-    t_min: f32,
 }
 
 /// A child that waits while what is nearer is visited, and the ray's interval in it.
@@ -145,13 +143,12 @@ impl<K: TriangleKernel> Query<'_, K> {
     ) -> ControlFlow<()> {
         for reference in &self.tree.references[list.range()] {
             let listed = &self.tree.triangles[*reference as usize];
-            counter.triangle_tests(1);
             test_triangle(
                 &self.kernel,
-                self.t_min,
                 &listed.triangle,
                 listed.number,
                 collector,
+                counter,
             )?;
         }
         ControlFlow::Continue(())

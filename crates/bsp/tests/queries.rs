@@ -9,7 +9,7 @@ use tahko_geometry::test_support::{
     assert_answers_like_brute_force, degenerate_meshes, invalid_rays, mesh, ray, rays_along_axes,
     rays_at_features, soup,
 };
-use tahko_geometry::{Precision, QueryCounts, Ray, RayQuery, glam::Vec3};
+use tahko_geometry::{Precision, QueryCounts, Ray, RayQuery, RungCounts, glam::Vec3};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
@@ -143,6 +143,11 @@ fn counts_tell_what_a_traversal_did() {
         node_visits: 6,
         bound_tests: 6,
         triangle_tests: 1,
+        rungs: RungCounts {
+            f32: 0,
+            f64: 1,
+            exact: 0,
+        },
     };
     assert_eq!(counts, expected);
 }

@@ -81,7 +81,7 @@ impl BvhOptions {
     #[must_use]
     pub const fn balanced() -> Self {
         Self {
-            precision: Precision::Watertight,
+            precision: Precision::Exact,
             bins: 16,
             sweep_size: 0,
             max_leaf_size: 8,

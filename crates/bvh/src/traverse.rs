@@ -73,9 +73,8 @@ impl Bvh2 {
             if node.is_leaf() {
                 let triangles = &self.triangles[node.first()..][..node.count()];
                 for leaf in triangles {
-                    counter.triangle_tests(1);
                     let (triangle, number) = (&leaf.triangle, leaf.number);
-                    if test_triangle(&kernel, ray.t_min, triangle, number, collector).is_break() {
+                    if test_triangle(&kernel, triangle, number, collector, counter).is_break() {
                         return;
                     }
                 }

@@ -6,7 +6,7 @@ use tahko_geometry::test_support::{
     assert_answers_like_brute_force, degenerate_meshes, invalid_rays, mesh, ray, rays_along_axes,
     rays_at_features,
 };
-use tahko_geometry::{Precision, QueryCounts, Ray, RayQuery, TriangleMesh, glam::Vec3};
+use tahko_geometry::{Precision, QueryCounts, Ray, RayQuery, RungCounts, TriangleMesh, glam::Vec3};
 
 /// The presets, and options that lead to the deepest and the flattest trees.
 fn all_options() -> Vec<(&'static str, BvhOptions)> {
@@ -141,6 +141,11 @@ fn counts_tell_what_a_traversal_did() {
         node_visits: 7,
         bound_tests: 13,
         triangle_tests: 1,
+        rungs: RungCounts {
+            f32: 0,
+            f64: 1,
+            exact: 0,
+        },
     };
     assert_eq!(counts, expected);
 }

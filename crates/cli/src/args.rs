@@ -87,7 +87,7 @@ pub(crate) struct RenderArguments {
     #[arg(long, value_name = "NAME", default_value = StructureKind::Bvh.name(), value_parser = structure_parser())]
     pub(crate) accel: StructureKind,
     /// Ray/triangle test
-    #[arg(long, value_name = "NAME", default_value = Precision::Watertight.name(), value_parser = precision_parser())]
+    #[arg(long, value_name = "NAME", default_value = Precision::default().name(), value_parser = precision_parser())]
     pub(crate) precision: Precision,
     /// Kinds of light to follow
     #[arg(long, value_name = "NAME", default_value = "whitted", value_parser = ["direct", "whitted"])]
@@ -140,7 +140,7 @@ pub(crate) struct QueryArguments {
     #[arg(long, value_name = "NAME", default_value = StructureKind::Bvh.name(), value_parser = structure_parser())]
     pub(crate) accel: StructureKind,
     /// Ray/triangle test
-    #[arg(long, value_name = "NAME", default_value = Precision::Watertight.name(), value_parser = precision_parser())]
+    #[arg(long, value_name = "NAME", default_value = Precision::default().name(), value_parser = precision_parser())]
     pub(crate) precision: Precision,
     #[command(flatten)]
     pub(crate) common: CommonArguments,

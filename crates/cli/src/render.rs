@@ -105,7 +105,7 @@ struct RenderReport<'a> {
     integrator: &'static str,
     /// How often a ray may be reflected or refracted.
     max_depth: u32,
-    /// `fast` or `watertight`.
+    /// `fast`, `watertight` or `exact`.
     precision: &'static str,
     /// Number of threads.
     threads: usize,

@@ -45,7 +45,7 @@ fn hits_are_those_worked_out_by_hand() {
     sandbox.write("mesh.ply", two_triangles());
     sandbox.write("rays.csv", RAYS);
     for structure in ["brute", "bsp", "kdtree", "bvh"] {
-        for precision in ["fast", "watertight"] {
+        for precision in ["fast", "watertight", "exact"] {
             let options = format!("--accel {structure} --precision {precision}");
             let line = format!("query mesh.ply --rays rays.csv --out hits.csv {options}");
             let run = sandbox.run(&line).succeeds();

@@ -64,7 +64,7 @@ fn statistics_have_their_keys() {
         ("/seed", 0.into()),
         ("/integrator", "whitted".into()),
         ("/max_depth", 8.into()),
-        ("/precision", "watertight".into()),
+        ("/precision", "exact".into()),
         ("/threads", 2.into()),
         ("/structure/name", "bvh".into()),
         ("/structure/triangles", 128.into()),

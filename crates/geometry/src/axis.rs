@@ -15,6 +15,16 @@ impl Axis {
     /// The three axes in order.
     pub const ALL: [Self; 3] = [Self::X, Self::Y, Self::Z];
 
+    /// The direction of the axis.
+    #[must_use]
+    pub const fn unit_vector(self) -> glam::Vec3 {
+        match self {
+            Self::X => glam::Vec3::X,
+            Self::Y => glam::Vec3::Y,
+            Self::Z => glam::Vec3::Z,
+        }
+    }
+
     /// The axis that follows in the cycle x, y, z, x.
     #[must_use]
     pub const fn next(self) -> Self {

@@ -61,8 +61,7 @@ impl Traverse for BruteForce {
     ) {
         let kernel = K::new(ray);
         for (primitive, triangle) in (0..).zip(&self.triangles) {
-            counter.triangle_tests(1);
-            if test_triangle(&kernel, ray.t_min, triangle, primitive, collector).is_break() {
+            if test_triangle(&kernel, triangle, primitive, collector, counter).is_break() {
                 return;
             }
         }

@@ -1,27 +1,35 @@
 //! Box and plane tests that never lose a hit.
 //!
-//! **What has to hold.** A kernel accepts a triangle with a value `t` such that a point of the triangle
-//! lies within `REACH * 2^-24 * m` of `P = O + tD` in every coordinate (see [`kernel`](crate::kernel)). Let
-//! `M >= m` be the largest coordinate difference between the origin and the corners of the bounds of the
-//! whole structure. If the triangle lies in a box or in the half-space of a plane, `P` lies within
-//! `REACH * 2^-24 * M` of it. A test is conservative if it accepts every `P` that lies that close.
+//! **What has to hold.** A kernel accepts a triangle with a value `t` such that a point of the triangle lies
+//! within its reach `R = REACH * 2^-24 * M` of `P = O + tD` in every coordinate (see [`kernel`](crate::kernel)), with `M`
+//! the largest coordinate difference between the origin and the corners of the bounds of the whole
+//! structure. If the triangle lies in a box or in the half-space of a plane, `P` lies within `R` of it. A test is conservative if
+//! it accepts every `P` that lies that close. For the exact kernels `R` is zero: `P` itself is in the box.
 //!
-//! **The margin.** For each axis the value where the ray meets a plane at `p` is computed as
-//! `fl(fl(p - o) * r)` with `r = fl(1 / d)`. With three roundings its error is below `3.01 * 2^-24 |p - o| |r|`,
-//! that is, below `3.01 * 2^-24 M` in units of length. Components of the direction that are smaller than
-//! `2^-32` of the largest are replaced by that size, keeping their sign (that of -0.0 too): along the way
-//! through the bounds this moves the ray by at most `2^-32 M`. Adding the margin in lengths of `t` rounds twice
-//! more, relative to sums that the margin dominates or that are covered by one more `2^-24 M`. Taken together
-//! `E = (REACH + 8) * 2^-24 * M` covers the reach and all roundings, and `E |r|` is added on the far side
-//! and subtracted on the near side of every plane. `E` is at least `2^-100`, so that underflow is inside it.
+//! **Shifted origins.** The box is widened by `R` without touching it: the ray comes to the near planes of the widened box where a
+//! ray whose origin is shifted forward by `R` comes to those of the box, and to the far planes where one shifted backward does. So each
+//! axis has two origins, rounded outward, and the widening costs nothing per box. With `R = 0` both are the origin.
+//!
+//! **Rounding is relative.** The place of a plane at `p` is computed as `fl(fl(p - o) * r)` with `r = fl(1 / d)`: three roundings, off
+//! by less than `3.01 u` of itself with `u = 2^-24`. There is no cancellation behind the first subtraction, so the bound holds however
+//! near the plane is to the origin and however far both are from the origin of coordinates. The interval is widened by `8 u` of its
+//! ends, which also covers the roundings of the widening. What underflow takes, less than `2^-145`, is covered by
+//! `2^-140`.
+//!
+//! **Directions along a plane.** Components below `2^-64` of the largest, among them zero and -0.0, are replaced by that size with their
+//! sign. Where the ray is inside the bounds, `|t| <= M / |D|` in the norm of the largest component, so this moves it by at most `2^-64 M`. The
+//! origins of such an axis are shifted by `2^-60 M` more, at least to the neighbouring f32. Divided by the replaced component that
+//! is `16 M / |D|`: a ray in the face of a box, or nearer to it than that, is in the slab for every `t` that counts, on both
+//! sides of the origin. A ray that is farther away leaves the interval empty.
 //!
 //! **Rounded t.** The intervals are f32 numbers that enclose the real `t`; rounding is monotone, so they also
-//! enclose the `t` that the kernel returns, rounded to f32. Comparing a node's entry with the best `t` so far is safe.
+//! enclose the `t` that the kernel returns, rounded to f32. Comparing a node's entry with the best `t` so far is safe: what begins beyond
+//! it is rounded to a larger `t` than the best one. At the same rounded `t` it is visited.
 //!
-//! **Extremes.** For directions outside `[2^-60, 2^60]` and bounds beyond `2^60` the margin is infinite: nothing
+//! **Extremes.** For directions outside `[2^-60, 2^60]` and bounds beyond `2^60` the widening is infinite: nothing
 //! is culled, every answer stays right. A comparison with NaN (infinity minus infinity) never culls.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use crate::{Aabb, Axis, Ray};
 
@@ -37,20 +45,28 @@ pub struct Interval {
 /// A ray prepared for box and plane tests that never lose a hit of a kernel.
 #[derive(Clone, Copy, Debug)]
 pub struct ConservativeRay {
-    origin: Vec3,
+    /// The origin shifted forward by the reach, for near planes.
+    near_origin: Vec3,
+    /// The origin shifted backward by the reach, for far planes.
+    far_origin: Vec3,
     /// Reciprocal of the direction, with zero clamped to a signed power of two.
     reciprocal: Vec3,
-    /// The margin in lengths of t: `margin * |reciprocal|`.
-    slack: Vec3,
     /// Whether the direction is negative, for each axis; -0.0 counts as negative.
     negative: [bool; 3],
-    margin: f64,
+    /// How much an interval is widened in `t`, beyond [`RELATIVE_WIDENING`]; infinite where nothing may be culled.
+    widening: f32,
+    reach: f64,
 }
 
 const UNIT_ROUNDOFF: f64 = 1.0 / (1u64 << 24) as f64;
+/// How much an interval is widened relative to its ends.
+const RELATIVE_WIDENING: f32 = 8.0 / (1u32 << 24) as f32;
+/// More than underflow can take.
+const SMALLEST_WIDENING: f32 = 1.0 / (1u128 << 127) as f32 / (1u32 << 13) as f32;
 /// Direction components are kept above this part of the largest one.
-const SMALLEST_COMPONENT: f64 = 1.0 / (1u64 << 32) as f64;
-const SMALLEST_MARGIN: f64 = 1.0 / (1u128 << 100) as f64;
+const SMALLEST_COMPONENT: f64 = 1.0 / (1u128 << 64) as f64;
+/// How far the origins of a clamped axis are apart, as a part of the largest distance.
+const CLAMPED_SHIFT: f64 = 1.0 / (1u64 << 60) as f64;
 /// Beyond this size of a direction or a distance, or below its reciprocal, nothing is culled.
 const EXTREME: f64 = (1u64 << 60) as f64;
 
@@ -67,32 +83,47 @@ impl ConservativeRay {
             .max_element();
         let largest = direction.abs().max_element();
         let is_extreme = !(1.0 / EXTREME..=EXTREME).contains(&largest) || farthest > EXTREME;
-        let margin = if is_extreme || bounds.is_empty() {
-            f64::INFINITY
+        let culls = !is_extreme && !bounds.is_empty();
+        let reach = if culls {
+            f64::from(reach) * UNIT_ROUNDOFF * farthest
         } else {
-            ((f64::from(reach) + 8.0) * UNIT_ROUNDOFF * farthest).max(SMALLEST_MARGIN)
+            f64::INFINITY
         };
-        let clamped = direction
-            .abs()
-            .max(glam::DVec3::splat(largest * SMALLEST_COMPONENT))
-            .copysign(direction);
-        let reciprocal = clamped.recip().as_vec3();
+        let smallest = DVec3::splat(largest * SMALLEST_COMPONENT);
+        let is_clamped = direction.abs().cmplt(smallest);
+        let clamped = direction.abs().max(smallest).copysign(direction);
+        let shift = if culls {
+            DVec3::select(
+                is_clamped,
+                DVec3::splat(reach + farthest * CLAMPED_SHIFT),
+                DVec3::splat(reach),
+            )
+        } else {
+            DVec3::ZERO
+        };
+        let forward = shift.copysign(direction);
         Self {
-            origin: ray.origin,
-            reciprocal,
-            slack: (margin * reciprocal.abs().as_dvec3()).as_vec3(),
+            near_origin: shifted(ray.origin, forward),
+            far_origin: shifted(ray.origin, -forward),
+            reciprocal: clamped.recip().as_vec3(),
             negative: direction.to_array().map(f64::is_sign_negative),
-            margin,
+            widening: if culls {
+                SMALLEST_WIDENING
+            } else {
+                f32::INFINITY
+            },
+            reach,
         }
     }
 
-    /// How far from the ray, in each coordinate, whatever a kernel may accept can lie.
+    /// How far from the ray, in each coordinate, whatever a kernel may accept can lie: zero for the exact kernels, infinite where
+    /// nothing may be culled.
     ///
     /// For planes that are not parallel to an axis: the distance in the direction of a normal `n` is at most
-    /// the margin times `|n.x| + |n.y| + |n.z|`.
+    /// the reach times `|n.x| + |n.y| + |n.z|`.
     #[must_use]
-    pub const fn margin(&self) -> f64 {
-        self.margin
+    pub const fn reach(&self) -> f64 {
+        self.reach
     }
 
     /// Whether the ray runs towards smaller coordinates along an axis; true for -0.0.
@@ -102,26 +133,29 @@ impl ConservativeRay {
         self.negative[axis as usize]
     }
 
-    /// The part of `interval` in which the ray is in the box or within the margin of it.
+    /// The part of `interval` in which the ray is in the box or within reach of it.
     #[inline]
     #[must_use]
     pub fn clip(&self, bounds: &Aabb, interval: Interval) -> Option<Interval> {
-        let to_min = (bounds.min - self.origin) * self.reciprocal;
-        let to_max = (bounds.max - self.origin) * self.reciprocal;
-        let Interval { mut start, mut end } = interval;
+        let mut enter = [0.0; 3];
+        let mut leave = [0.0; 3];
         for axis in 0..3 {
             let (near, far) = if self.negative[axis] {
-                (to_max[axis], to_min[axis])
+                (bounds.max[axis], bounds.min[axis])
             } else {
-                (to_min[axis], to_max[axis])
+                (bounds.min[axis], bounds.max[axis])
             };
-            start = larger(near - self.slack[axis], start);
-            end = smaller(far + self.slack[axis], end);
+            enter[axis] = (near - self.near_origin[axis]) * self.reciprocal[axis];
+            leave[axis] = (far - self.far_origin[axis]) * self.reciprocal[axis];
         }
+        let enter = larger(enter[0], larger(enter[1], enter[2]));
+        let leave = smaller(leave[0], smaller(leave[1], leave[2]));
+        let start = larger(self.before(enter), interval.start);
+        let end = smaller(self.after(leave), interval.end);
         (start <= end).then_some(Interval { start, end })
     }
 
-    /// The interval in which the ray is within the margin of the plane where the coordinate of `axis` equals
+    /// The interval in which the ray is within reach of the plane where the coordinate of `axis` equals
     /// `position`: before it the ray is certainly on its first side, after it certainly on the other.
     ///
     /// Bounds may be infinite; a bound that overflowed to NaN is returned as the infinity that does not cull.
@@ -129,12 +163,40 @@ impl ConservativeRay {
     #[must_use]
     pub fn crossing(&self, axis: Axis, position: f32) -> Interval {
         let axis = axis as usize;
-        let t = (position - self.origin[axis]) * self.reciprocal[axis];
+        let enter = (position - self.near_origin[axis]) * self.reciprocal[axis];
+        let leave = (position - self.far_origin[axis]) * self.reciprocal[axis];
         Interval {
-            start: f32::NEG_INFINITY.max(t - self.slack[axis]),
-            end: f32::INFINITY.min(t + self.slack[axis]),
+            start: f32::NEG_INFINITY.max(self.before(enter)),
+            end: f32::INFINITY.min(self.after(leave)),
         }
     }
+
+    /// A number certainly below an entry that was computed.
+    #[inline]
+    fn before(&self, enter: f32) -> f32 {
+        enter - (enter.abs() * RELATIVE_WIDENING + self.widening)
+    }
+
+    /// A number certainly above an exit that was computed.
+    #[inline]
+    fn after(&self, leave: f32) -> f32 {
+        leave + (leave.abs() * RELATIVE_WIDENING + self.widening)
+    }
+}
+
+/// A point moved by `shift` and rounded on in its direction: by at least `shift` in each coordinate.
+fn shifted(point: Vec3, shift: DVec3) -> Vec3 {
+    let moved = point.as_dvec3() + shift;
+    let mut rounded = moved.as_vec3();
+    for axis in 0..3 {
+        // The sum may have been rounded too: anything but an exact zero shift goes one step further.
+        if shift[axis] > 0.0 {
+            rounded[axis] = rounded[axis].next_up();
+        } else if shift[axis] < 0.0 {
+            rounded[axis] = rounded[axis].next_down();
+        }
+    }
+    rounded
 }
 
 /// The larger number; the second one if the first is NaN, which so never culls. In contrast to `f32::max` this

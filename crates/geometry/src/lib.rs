@@ -10,7 +10,7 @@
 //! let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
 //! let vertices = corners.map(|(x, y)| Vec3::new(x, y, 0.0)).to_vec();
 //! let mesh = TriangleMesh::new(vertices, vec![[0, 1, 2], [0, 2, 3]])?;
-//! let square = BruteForce::new(&mesh, Precision::Watertight);
+//! let square = BruteForce::new(&mesh, Precision::default());
 //!
 //! // A ray straight down through the second triangle: t counts in lengths of the direction.
 //! let hit = square.closest_hit(&Ray::new(Vec3::new(0.25, 0.75, 3.0), Vec3::NEG_Z * 2.0)).expect("the square is below");
@@ -34,11 +34,13 @@
 //! # Numerical guarantees
 //! - A hit has `t` in the closed interval of the ray. The closest hit is the smallest `t`, then the smallest triangle index. A ray in
 //!   the plane of a triangle does not hit it, and a triangle without area is never hit.
+//! - [`Precision::Exact`], the default: which triangle is hit, or none, is the exact answer for the given numbers, and `t` is the exact value
+//!   rounded to the nearest f32. Coordinates may be any finite f32, from denormals to the largest.
 //! - [`Precision::Watertight`]: no ray passes between triangles that share an edge or a vertex. [`Precision::Fast`]: a ray that passes
-//!   an edge closely may be lost. See [`kernel`].
+//!   an edge closely may be lost. Where differences of coordinates overflow f32, these two may miss. See [`kernel`].
 //! - Whatever a kernel accepts lies in a cell that [`ConservativeRay`] visits, so every structure gives the answer of brute force,
 //!   bit for bit.
-//! - Coordinates may be any finite f32. Where differences of coordinates overflow, a triangle may not be hit.
+//! - [`RayQuery::all_hits`], [`RayQuery::crossings`] and [`RayQuery::contains`] count each crossing of a closed surface once, exactly.
 //!
 //! # Features
 //! - `oracle`: exact answers by brute force in rational numbers, to hold structures against.
@@ -54,6 +56,7 @@ mod mesh;
 pub mod oracle;
 mod plane;
 mod polygon;
+pub mod predicate;
 pub mod query;
 mod ray;
 mod statistics;
@@ -67,13 +70,13 @@ pub use axis::Axis;
 pub use brute_force::BruteForce;
 pub use conservative_ray::{ConservativeRay, Interval};
 pub use glam;
-pub use kernel::{MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop};
+pub use kernel::{Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop};
 pub use mesh::{DroppedTriangle, MeshError, TriangleMesh};
 pub use plane::{Plane, Side};
 pub use polygon::{Polygon, PolygonError, Split};
 pub use query::{
-    AnyHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, TraversalCounter, Traverse,
-    test_triangle,
+    AnyHit, Candidate, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, RungCounts,
+    TraversalCounter, Traverse, test_triangle,
 };
 pub use ray::Ray;
 pub use statistics::TreeStatistics;

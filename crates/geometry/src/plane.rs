@@ -53,8 +53,7 @@ impl Plane {
     /// The plane of a triangle; `None` if its area is zero.
     #[must_use]
     pub fn from_triangle(triangle: &Triangle) -> Option<Self> {
-        let [a, b, c] = triangle.vertices().map(glam::Vec3::as_dvec3);
-        Self::from_points(a, b, c)
+        Self::from_point_normal(triangle.a.as_dvec3(), triangle.scaled_normal())
     }
 
     /// The same plane with front and back exchanged.

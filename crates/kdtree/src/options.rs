@@ -109,7 +109,7 @@ impl KdTreeOptions {
             intersection_cost: 20.0,
             empty_space_factor: 0.8,
             max_references_per_triangle: 16.0,
-            precision: Precision::Watertight,
+            precision: Precision::Exact,
         }
     }
 

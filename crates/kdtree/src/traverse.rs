@@ -114,10 +114,9 @@ impl KdTree {
                         if mailbox.contains_or_add(slot) {
                             continue;
                         }
-                        counter.triangle_tests(1);
                         let triangle = &self.triangles[slot as usize];
                         let primitive = self.primitives[slot as usize];
-                        if test_triangle(&kernel, ray.t_min, triangle, primitive, collector)
+                        if test_triangle(&kernel, triangle, primitive, collector, counter)
                             .is_break()
                         {
                             return;

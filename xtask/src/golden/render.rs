@@ -22,6 +22,7 @@ const INTEGRATOR: &str = "whitted";
 pub(super) enum Precision {
     Fast,
     Watertight,
+    Exact,
 }
 
 /// One way to render a scene.
@@ -48,12 +49,16 @@ pub(super) struct Program {
 }
 
 impl Precision {
-    pub(super) const ALL: [Self; 2] = [Self::Fast, Self::Watertight];
+    pub(super) const ALL: [Self; 3] = [Self::Fast, Self::Watertight, Self::Exact];
+
+    /// The one whose picture is the golden image.
+    pub(super) const GOLDEN: Self = Self::Exact;
 
     fn name(self) -> &'static str {
         match self {
             Self::Fast => "fast",
             Self::Watertight => "watertight",
+            Self::Exact => "exact",
         }
     }
 }

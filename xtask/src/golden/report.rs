@@ -65,7 +65,7 @@ pub(super) fn check(
         }
         None => {
             let message = "there is no golden image; look at the picture, accept it with --bless";
-            let picture = reference(rendered, Precision::Watertight);
+            let picture = reference(rendered, Precision::GOLDEN);
             problems.push(Problem {
                 message: message.to_owned(),
                 pictures: picture
@@ -84,7 +84,7 @@ pub(super) fn check(
         let actual = compare::decode(png).with_context(|| format!("{}", reference.case))?;
         let difference = Difference::between(&expected, &actual);
         let allowed = match precision {
-            Precision::Watertight => compare::OUTLIERS,
+            Precision::Exact | Precision::Watertight => compare::OUTLIERS,
             Precision::Fast => compare::FAST_OUTLIERS,
         };
         if !difference.is_within(allowed) {
@@ -98,7 +98,7 @@ pub(super) fn check(
                 message,
                 pictures: vec![reference.file.clone(), marks],
             });
-        } else if precision == Precision::Watertight && golden != Some(png) {
+        } else if precision == Precision::GOLDEN && golden != Some(png) {
             verdict = format!("within tolerance: {difference}");
         }
     }
@@ -109,7 +109,7 @@ pub(super) fn check(
     }
 }
 
-/// Makes the watertight picture the golden image, if all structures agree on it.
+/// Makes the exact picture the golden image, if all structures agree on it.
 pub(super) fn bless(
     rendered: &[Rendered],
     golden: Option<&[u8]>,
@@ -117,7 +117,7 @@ pub(super) fn bless(
     folder: &Path,
 ) -> anyhow::Result<Report> {
     let problems = disagreements(rendered, folder)?;
-    let picture = reference(rendered, Precision::Watertight);
+    let picture = reference(rendered, Precision::GOLDEN);
     let Some((_, png)) = picture.filter(|_| problems.is_empty()) else {
         return Ok(Report::failed(problems));
     };
@@ -283,7 +283,7 @@ mod tests {
         let pictures = all(|_| Ok(png(compare::OUTLIERS + 1)));
         let far = check(&pictures, Some(&png(0)), &folder).unwrap();
         assert_eq!(far.verdict, "FAILED (1)");
-        let marks = folder.join("watertight-brute-1.golden-difference.png");
+        let marks = folder.join("exact-brute-1.golden-difference.png");
         assert!(marks.exists(), "{marks:?}");
         fs::remove_dir_all(folder).unwrap();
     }

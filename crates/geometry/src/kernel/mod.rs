@@ -1,24 +1,29 @@
 //! Ray/triangle kernels: one type per [`Precision`], prepared once per ray.
 //!
-//! Every kernel is a filter in f32 followed by a confirmation in f64 that runs only for the few
-//! triangles that pass. The confirmation gives `t`, `u` and `v`, and it keeps a promise that the
-//! structures rely on:
+//! Every kernel is a filter in f32 followed by arithmetic in f64 that runs only for the few triangles that
+//! pass, and gives `t`, `u` and `v`. [`Exact`] has expansion arithmetic behind that, which decides
+//! what f64 cannot. All keep a promise that the structures rely on:
 //!
 //! > **Reach.** If a kernel accepts a triangle with value `t`, then some point of the triangle lies
 //! > within `REACH * 2^-24 * m` of the point `O + tD` in every coordinate, where `m` is the largest
 //! > coordinate difference between the ray's origin and the triangle's vertices that the kernel computed.
 //!
-//! [`ConservativeRay`](crate::ConservativeRay) widens box and plane tests by that distance. So whatever a
-//! kernel accepts lies in a cell that the traversal visits, and all structures give the answer of brute force.
+//! [`ConservativeRay`](crate::ConservativeRay) widens box and plane tests by that distance, which is zero for
+//! the exact kernels. So whatever a kernel accepts lies in a cell that the traversal visits, and all structures give the
+//! answer of brute force.
 
 mod confirm;
+mod exact;
 mod moller_trumbore;
 mod woop;
 
+pub use exact::{Exact, ExactCrossing, Ladder};
 pub use moller_trumbore::MollerTrumbore;
 pub use woop::Woop;
 
-use crate::{Ray, Triangle};
+use std::cmp::Ordering;
+
+use crate::{Ray, TraversalCounter, Triangle};
 
 /// How hits are decided; chosen when a structure is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -28,20 +33,23 @@ pub enum Precision {
     /// may be lost.
     Fast,
     /// [`Woop`]: no ray passes between triangles that share an edge or a vertex.
-    #[default]
     Watertight,
+    /// [`Exact`](struct@Ladder): the mathematically exact answer for the given numbers.
+    #[default]
+    Exact,
 }
 
 impl Precision {
     /// All precisions, from the fastest to the most careful.
-    pub const ALL: [Self; 2] = [Self::Fast, Self::Watertight];
+    pub const ALL: [Self; 3] = [Self::Fast, Self::Watertight, Self::Exact];
 
-    /// The name on the command line: `fast` or `watertight`.
+    /// The name on the command line: `fast`, `watertight` or `exact`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fast => "fast",
             Self::Watertight => "watertight",
+            Self::Exact => "exact",
         }
     }
 }
@@ -58,21 +66,28 @@ pub struct TriangleHit {
 }
 
 impl TriangleHit {
-    /// Rounds a hit to f32, keeping `u` and `v` inside the triangle; `None` if `t`, rounded, is outside
-    /// `[t_min, t_max]` or NaN.
+    /// A hit with `u` and `v` rounded to f32 and kept inside the triangle. A zero `t` is positive.
+    pub(crate) fn new(t: f32, u: f64, v: f64) -> Self {
+        #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
+        let [u, v] = [u, v].map(|value| (value as f32).clamp(0.0, 1.0));
+        // The difference is exact where it matters: where the larger weight is at least a half.
+        let (u, v) = if u > v {
+            (u, v.min(1.0 - u))
+        } else {
+            (u.min(1.0 - v), v)
+        };
+        Self { t: t + 0.0, u, v }
+    }
+
+    /// Rounds a hit to f32; `None` if `t`, rounded, is outside `[t_min, t_max]` or NaN.
     ///
     /// Rounding comes before the comparison, so that the order in which triangles are tested, with
     /// `t_max` shrinking to the best `t` so far, cannot change the answer.
     fn rounded(t: f64, u: f64, v: f64, t_min: f32, t_max: f32) -> Option<Self> {
         #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
-        let [t, u, v] = [t, u, v].map(|value| value as f32);
-        // Coordinates that overflow make t NaN, and perhaps u and v too: no hit.
-        if !(t_min <= t && t <= t_max) {
-            return None;
-        }
-        let u = u.clamp(0.0, 1.0);
-        let v = v.clamp(0.0, 1.0 - u);
-        Some(Self { t, u, v })
+        let t = t as f32;
+        // A positive comparison: coordinates that overflow make t NaN, which is no hit.
+        (t_min <= t && t <= t_max).then(|| Self::new(t, u, v))
     }
 }
 
@@ -87,8 +102,18 @@ pub trait TriangleKernel: Copy {
     /// Prepares a valid ray.
     fn new(ray: &Ray) -> Self;
 
-    /// The hit of a triangle with `t`, rounded to f32, in `[t_min, t_max]`.
-    fn intersect(&self, triangle: &Triangle, t_min: f32, t_max: f32) -> Option<TriangleHit>;
+    /// The hit of a triangle with `t` in the ray's interval and, rounded to f32, not above `t_max`.
+    fn intersect<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit>;
+
+    /// The order along the ray of two triangles that were hit at the same rounded `t`; equal where the kernel knows no more.
+    fn order_of_equal_t(&self, _first: &Triangle, _second: &Triangle) -> Ordering {
+        Ordering::Equal
+    }
 }
 
 #[cfg(test)]

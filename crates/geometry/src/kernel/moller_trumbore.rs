@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::confirm;
-use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
+use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
 /// The ray/triangle test of Möller and Trumbore: the fast kernel.
 ///
@@ -20,6 +20,7 @@ use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
 pub struct MollerTrumbore {
     origin: Vec3,
     direction: Vec3,
+    t_min: f32,
 }
 
 impl TriangleKernel for MollerTrumbore {
@@ -29,11 +30,17 @@ impl TriangleKernel for MollerTrumbore {
         Self {
             origin: ray.origin,
             direction: ray.direction,
+            t_min: ray.t_min,
         }
     }
 
     #[inline]
-    fn intersect(&self, triangle: &Triangle, t_min: f32, t_max: f32) -> Option<TriangleHit> {
+    fn intersect<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        _counter: &mut C,
+    ) -> Option<TriangleHit> {
         let edge1 = triangle.b - triangle.a;
         let edge2 = triangle.c - triangle.a;
         let p = self.direction.cross(edge2);
@@ -55,14 +62,14 @@ impl TriangleKernel for MollerTrumbore {
         }
         // No look at `t` here: rounded to f32 it is too uncertain on needles, and what it threw out would depend
         // on the order in which triangles are tested.
-        self.confirm(triangle, t_min, t_max)
+        self.confirm(triangle, t_max)
     }
 }
 
 impl MollerTrumbore {
     #[inline(never)]
-    fn confirm(&self, triangle: &Triangle, t_min: f32, t_max: f32) -> Option<TriangleHit> {
+    fn confirm(&self, triangle: &Triangle, t_max: f32) -> Option<TriangleHit> {
         let [t, u, v] = confirm::intersect(self.origin, self.direction, triangle)?;
-        TriangleHit::rounded(t, u, v, t_min, t_max)
+        TriangleHit::rounded(t, u, v, self.t_min, t_max)
     }
 }

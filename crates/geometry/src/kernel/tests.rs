@@ -4,17 +4,24 @@ use super::*;
 use crate::{glam::Vec3, test_support};
 
 fn hit<K: TriangleKernel>(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit> {
-    K::new(ray).intersect(triangle, ray.t_min, ray.t_max)
+    K::new(ray).intersect(triangle, ray.t_max, &mut ())
+}
+
+/// A hit is found again after it has become the closest one.
+fn assert_is_found_again<K: TriangleKernel>(ray: &Ray, triangle: &Triangle, found: TriangleHit) {
+    let again = K::new(ray).intersect(triangle, found.t, &mut ());
+    assert_eq!(again, Some(found), "{ray:?} {triangle:?}");
 }
 
 fn unit_triangle() -> Triangle {
     Triangle::new(Vec3::ZERO, Vec3::X, Vec3::Y)
 }
 
-/// Runs a check with both kernels.
-fn for_both(check: impl Fn(fn(&Ray, &Triangle) -> Option<TriangleHit>)) {
+/// Runs a check with every kernel.
+fn for_all(check: impl Fn(fn(&Ray, &Triangle) -> Option<TriangleHit>)) {
     check(hit::<MollerTrumbore>);
     check(hit::<Woop>);
+    check(hit::<Exact>);
 }
 
 #[test]
@@ -23,7 +30,7 @@ fn degenerate_triangles_and_coordinates_that_overflow_give_no_nan_and_no_panic()
         let rays = test_support::rays_at_features(&mesh);
         for ray in rays.iter().filter(|ray| ray.is_valid()) {
             for triangle in mesh.triangles() {
-                for_both(|hit| {
+                for_all(|hit| {
                     let hit = hit(ray, &triangle);
                     let is_inside = |hit: TriangleHit| hit.u >= 0.0 && hit.u + hit.v <= 1.0;
                     assert!(hit.is_none_or(is_inside), "{name}, {ray:?}: {hit:?}");
@@ -35,7 +42,7 @@ fn degenerate_triangles_and_coordinates_that_overflow_give_no_nan_and_no_panic()
 
 #[test]
 fn t_counts_in_lengths_of_the_direction_and_u_v_weigh_the_vertices() {
-    for_both(|hit| {
+    for_all(|hit| {
         for scale in [1e-10, 1.0, 1e10] {
             let ray = Ray::new(Vec3::new(0.25, 0.5, 2.0), Vec3::NEG_Z * scale);
             let hit = hit(&ray, &unit_triangle()).expect("inside");
@@ -47,7 +54,7 @@ fn t_counts_in_lengths_of_the_direction_and_u_v_weigh_the_vertices() {
 
 #[test]
 fn both_sides_of_a_triangle_are_hit() {
-    for_both(|hit| {
+    for_all(|hit| {
         for direction in [Vec3::Z, Vec3::NEG_Z] {
             let ray = Ray::new(Vec3::new(0.25, 0.25, 0.0) - direction, direction);
             assert_eq!(hit(&ray, &unit_triangle()).map(|hit| hit.t), Some(1.0));
@@ -57,7 +64,7 @@ fn both_sides_of_a_triangle_are_hit() {
 
 #[test]
 fn the_interval_is_closed_at_both_ends() {
-    for_both(|hit| {
+    for_all(|hit| {
         let at = |t_min, t_max| {
             let origin = Vec3::new(0.25, 0.25, 1.0);
             hit(
@@ -74,7 +81,7 @@ fn the_interval_is_closed_at_both_ends() {
 
 #[test]
 fn rays_in_the_plane_and_flat_triangles_do_not_hit() {
-    for_both(|hit| {
+    for_all(|hit| {
         let in_plane = Ray::new(Vec3::new(-1.0, 0.25, 0.0), Vec3::X);
         assert_eq!(hit(&in_plane, &unit_triangle()), None);
         let flat = Triangle::new(Vec3::ZERO, Vec3::X, Vec3::X * 2.0);
@@ -91,7 +98,7 @@ fn rays_in_the_plane_and_flat_triangles_do_not_hit() {
 
 #[test]
 fn a_segment_with_area_in_its_rounded_projection_is_not_hit() {
-    for_both(|hit| {
+    for_all(|hit| {
         // Three points of a line through a point aimed at, from places that make the projections round.
         for step in 0..2000u16 {
             let origin = Vec3::new(
@@ -108,7 +115,7 @@ fn a_segment_with_area_in_its_rounded_projection_is_not_hit() {
 
 #[test]
 fn overflowing_coordinates_are_misses_or_hits_but_never_nan() {
-    for_both(|hit| {
+    for_all(|hit| {
         let huge = Triangle::new(Vec3::splat(-3e38), Vec3::X * 3e38, Vec3::Y * 3e38);
         for direction in [Vec3::X, Vec3::ONE, Vec3::splat(1e38), Vec3::splat(1e-45)] {
             if let Some(hit) = hit(&Ray::new(Vec3::splat(-1.0), direction), &huge) {
@@ -134,14 +141,13 @@ fn a_needle_is_hit_though_its_t_is_lost_in_f32() {
         origin,
         a + u * (triangle.b - a) + v * (triangle.c - a) - origin,
     );
-    for_both(|hit| {
-        let found = hit(&ray, &triangle).expect("aimed at the inside");
-        let shortened = Ray {
-            t_max: found.t,
-            ..ray
-        };
-        assert_eq!(hit(&shortened, &triangle), Some(found));
-    });
+    fn check<K: TriangleKernel>(ray: &Ray, triangle: &Triangle) {
+        let found = hit::<K>(ray, triangle).expect("aimed at the inside");
+        assert_is_found_again::<K>(ray, triangle, found);
+    }
+    check::<MollerTrumbore>(&ray, &triangle);
+    check::<Woop>(&ray, &triangle);
+    check::<Exact>(&ray, &triangle);
 }
 
 proptest! {
@@ -179,15 +185,17 @@ proptest! {
         let (u, v) = (weights.0, weights.1 * (1.0 - weights.0));
         let target = a + u * (triangle.b - a) + v * (triangle.c - a);
         let ray = Ray::new(origin, target - origin);
-        for hit in [hit::<MollerTrumbore>, hit::<Woop>] {
-            if let Some(found) = hit(&ray, &triangle) {
-                let shortened = Ray { t_max: found.t, ..ray };
-                prop_assert_eq!(hit(&shortened, &triangle), Some(found));
+        fn check<K: TriangleKernel>(ray: &Ray, triangle: &Triangle) {
+            if let Some(found) = hit::<K>(ray, triangle) {
+                assert_is_found_again::<K>(ray, triangle, found);
             }
         }
+        check::<MollerTrumbore>(&ray, &triangle);
+        check::<Woop>(&ray, &triangle);
+        check::<Exact>(&ray, &triangle);
     }
 
-    /// Clear hits and misses are the same for both kernels, and t agrees to a few ulp.
+    /// Clear hits and misses are the same for all kernels, and t agrees to a few ulp.
     #[test]
     fn kernels_agree_away_from_edges(
         [a, b, c] in prop::array::uniform3(test_support::point(1.0)),
@@ -201,12 +209,14 @@ proptest! {
         let ray = Ray::new(origin, target - origin);
         let slant = triangle.scaled_normal().dot(ray.direction.as_dvec3()).abs();
         prop_assume!(ray.is_valid() && margin > 0.01 && slant > 0.01);
-        let [fast, watertight] = [hit::<MollerTrumbore>(&ray, &triangle), hit::<Woop>(&ray, &triangle)];
         let expected = u > 0.0 && v > 0.0 && u + v < 1.0;
-        prop_assert_eq!((fast.is_some(), watertight.is_some()), (expected, expected));
-        if let (Some(fast), Some(watertight)) = (fast, watertight) {
-            prop_assert!((fast.t - watertight.t).abs() <= 1e-4, "{} {}", fast.t, watertight.t);
-            prop_assert!((fast.u - u).abs() < 1e-3 && (fast.v - v).abs() < 1e-3);
+        for hit in [hit::<MollerTrumbore>, hit::<Woop>, hit::<Exact>] {
+            let found = hit(&ray, &triangle);
+            prop_assert_eq!(found.is_some(), expected);
+            if let Some(found) = found {
+                prop_assert!((found.t - 1.0).abs() <= 1e-4, "{}", found.t);
+                prop_assert!((found.u - u).abs() < 1e-3 && (found.v - v).abs() < 1e-3);
+            }
         }
     }
 }

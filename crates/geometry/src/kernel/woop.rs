@@ -26,7 +26,7 @@
 use glam::{DVec3, Vec3};
 
 use super::confirm;
-use crate::{Axis, Ray, Triangle, TriangleHit, TriangleKernel};
+use crate::{Axis, Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
 /// The ray/triangle test of Woop, Benthin and Wald: the watertight kernel.
 ///
@@ -42,6 +42,7 @@ pub struct Woop {
     x: usize,
     y: usize,
     direction: Vec3,
+    t_min: f32,
 }
 
 /// A vertex seen from the ray: projected along it, with its depth along the dominant axis.
@@ -66,11 +67,17 @@ impl TriangleKernel for Woop {
             x,
             y,
             direction: ray.direction,
+            t_min: ray.t_min,
         }
     }
 
     #[inline]
-    fn intersect(&self, triangle: &Triangle, t_min: f32, t_max: f32) -> Option<TriangleHit> {
+    fn intersect<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        _counter: &mut C,
+    ) -> Option<TriangleHit> {
         let [a, b, c] = triangle.vertices().map(|vertex| self.project(vertex));
         let signs = [edge_sign(c, b), edge_sign(a, c), edge_sign(b, a)];
         let has_positive = signs.iter().any(|sign| *sign > 0);
@@ -83,7 +90,7 @@ impl TriangleKernel for Woop {
         if triangle.is_degenerate() {
             return None;
         }
-        self.confirm(triangle, [a, b, c], t_min, t_max)
+        self.confirm(triangle, [a, b, c], t_max)
     }
 }
 
@@ -106,12 +113,11 @@ impl Woop {
         &self,
         triangle: &Triangle,
         projected: [Projected; 3],
-        t_min: f32,
         t_max: f32,
     ) -> Option<TriangleHit> {
         let [t, u, v] = confirm::intersect(self.origin, self.direction, triangle)
             .unwrap_or_else(|| self.interpolate(projected));
-        TriangleHit::rounded(t, u, v, t_min, t_max)
+        TriangleHit::rounded(t, u, v, self.t_min, t_max)
     }
 
     fn interpolate(&self, [a, b, c]: [Projected; 3]) -> [f64; 3] {

@@ -1,8 +1,17 @@
 //! The query trait that all structures share, and what traversals need to serve it.
 
+mod collector;
+mod counts;
+
 use std::ops::ControlFlow;
 
-use crate::{MollerTrumbore, Precision, Ray, TriangleHit, TriangleKernel, Woop};
+use glam::Vec3;
+
+pub use collector::{AllHits, AnyHit, Candidate, ClosestHit, HitCollector};
+pub use counts::{QueryCounts, RungCounts, TraversalCounter};
+
+use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, Woop};
+use crate::{Axis, Precision, Ray, TriangleKernel};
 
 /// The hit of a ray on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -46,148 +55,34 @@ pub trait RayQuery: Sync {
 
     /// [`any_hit`](Self::any_hit), adding what it did to `counts`.
     fn any_hit_counted(&self, ray: &Ray, counts: &mut QueryCounts) -> bool;
-}
 
-/// What queries did.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct QueryCounts {
-    /// Nodes visited, leaves included.
-    pub node_visits: u64,
-    /// Tests of the ray against a box or a splitting plane.
-    pub bound_tests: u64,
-    /// Tests of the ray against a triangle.
-    pub triangle_tests: u64,
-}
+    /// The closest hit on any primitive but one: that on which the ray starts, say.
+    fn closest_hit_ignoring(&self, ray: &Ray, primitive: u32) -> Option<Hit>;
 
-impl std::ops::AddAssign for QueryCounts {
-    fn add_assign(&mut self, other: Self) {
-        self.node_visits += other.node_visits;
-        self.bound_tests += other.bound_tests;
-        self.triangle_tests += other.triangle_tests;
-    }
-}
+    /// Whether anything but one primitive is hit.
+    fn any_hit_ignoring(&self, ray: &Ray, primitive: u32) -> bool;
 
-/// Receives the events of a traversal. The unit type ignores them at no cost.
-pub trait TraversalCounter {
-    /// A node was visited.
-    fn node_visit(&mut self);
-    /// The ray was tested against `count` boxes or planes.
-    fn bound_tests(&mut self, count: u64);
-    /// The ray was tested against `count` triangles.
-    fn triangle_tests(&mut self, count: u64);
-}
+    /// Visits the crossings of the ray with the triangles, in the order of their `t`, then of their primitives, until the visitor
+    /// breaks.
+    ///
+    /// Each crossing of a closed surface comes once, also where the ray passes an edge or a vertex: there the ray counts as
+    /// moved by an infinitesimal step, the same one for all triangles, so that it crosses one of those that
+    /// share an edge, or two, or none. A triangle in whose plane the ray lies is not crossed.
+    ///
+    /// The answer is exact whatever the structure's [`Precision`]. Cost: all triangles along the ray are tested, and the hits
+    /// sorted.
+    fn all_hits(&self, ray: &Ray, visitor: &mut dyn FnMut(Hit) -> ControlFlow<()>);
 
-impl TraversalCounter for () {
-    #[inline]
-    fn node_visit(&mut self) {}
-    #[inline]
-    fn bound_tests(&mut self, _count: u64) {}
-    #[inline]
-    fn triangle_tests(&mut self, _count: u64) {}
-}
+    /// How often the ray crosses the triangles with `t` in its interval: the number of [`all_hits`](Self::all_hits).
+    ///
+    /// Even for a line through a closed surface; odd for a ray that starts inside.
+    fn crossings(&self, ray: &Ray) -> usize;
 
-impl TraversalCounter for QueryCounts {
-    #[inline]
-    fn node_visit(&mut self) {
-        self.node_visits += 1;
-    }
-    #[inline]
-    fn bound_tests(&mut self, count: u64) {
-        self.bound_tests += count;
-    }
-    #[inline]
-    fn triangle_tests(&mut self, count: u64) {
-        self.triangle_tests += count;
-    }
-}
-
-/// What a query makes of the triangles that a traversal finds: the goal of the search.
-pub trait HitCollector {
-    /// The largest `t` that still matters. A traversal may skip whatever begins beyond it.
-    fn t_max(&self) -> f32;
-
-    /// Takes a hit with `t` not above [`t_max`](Self::t_max). `Break` ends the traversal.
-    fn collect(&mut self, primitive: u32, hit: TriangleHit) -> ControlFlow<()>;
-}
-
-/// Collects the closest hit: smallest `t`, then smallest primitive.
-#[derive(Clone, Copy, Debug)]
-pub struct ClosestHit {
-    t_max: f32,
-    hit: Option<Hit>,
-}
-
-impl ClosestHit {
-    /// A search up to the ray's `t_max`.
-    #[must_use]
-    pub const fn new(ray: &Ray) -> Self {
-        Self {
-            t_max: ray.t_max,
-            hit: None,
-        }
-    }
-
-    /// The closest hit so far.
-    #[must_use]
-    pub const fn hit(&self) -> Option<Hit> {
-        self.hit
-    }
-}
-
-impl HitCollector for ClosestHit {
-    #[inline]
-    fn t_max(&self) -> f32 {
-        self.t_max
-    }
-
-    #[inline]
-    fn collect(&mut self, primitive: u32, TriangleHit { t, u, v }: TriangleHit) -> ControlFlow<()> {
-        let is_closer = self
-            .hit
-            .is_none_or(|best| t < best.t || (t == best.t && primitive < best.primitive));
-        if is_closer {
-            self.t_max = t;
-            self.hit = Some(Hit { t, u, v, primitive });
-        }
-        ControlFlow::Continue(())
-    }
-}
-
-/// Ends the traversal at the first hit that is found.
-#[derive(Clone, Copy, Debug)]
-pub struct AnyHit {
-    t_max: f32,
-    found: bool,
-}
-
-impl AnyHit {
-    /// A search up to the ray's `t_max`.
-    #[must_use]
-    pub const fn new(ray: &Ray) -> Self {
-        Self {
-            t_max: ray.t_max,
-            found: false,
-        }
-    }
-
-    /// Whether a hit was found.
-    #[must_use]
-    pub const fn found(&self) -> bool {
-        self.found
-    }
-}
-
-impl HitCollector for AnyHit {
-    #[inline]
-    fn t_max(&self) -> f32 {
-        self.t_max
-    }
-
-    #[inline]
-    fn collect(&mut self, _primitive: u32, _hit: TriangleHit) -> ControlFlow<()> {
-        self.found = true;
-        ControlFlow::Break(())
-    }
+    /// Whether a point is inside a closed surface, or on it.
+    ///
+    /// Inside is where a ray to infinity crosses the surface an odd number of times: exact for closed meshes, also those that
+    /// intersect themselves, and without meaning for others. A point that is not finite is outside. Cost: four rays.
+    fn contains(&self, point: Vec3) -> bool;
 }
 
 /// What a structure implements to become a [`RayQuery`]: one traversal, generic over the kernel, the goal
@@ -219,9 +114,29 @@ where
                 structure.traverse::<MollerTrumbore, _, _>(ray, &mut collector, counter);
             }
             Precision::Watertight => structure.traverse::<Woop, _, _>(ray, &mut collector, counter),
+            Precision::Exact => structure.traverse::<Exact, _, _>(ray, &mut collector, counter),
         }
     }
     collector
+}
+
+/// All crossings of a valid ray; none of others.
+fn crossings<T: Traverse + ?Sized>(structure: &T, ray: &Ray) -> AllHits {
+    let mut hits = AllHits::new(ray);
+    if ray.is_valid() {
+        structure.traverse::<ExactCrossing, _, _>(ray, &mut hits, &mut ());
+    }
+    hits
+}
+
+/// Whether a point lies on a triangle that has an area: no such triangle is parallel to all three axes.
+fn is_on_surface<T: Traverse + ?Sized>(structure: &T, point: Vec3) -> bool {
+    Axis::ALL.into_iter().any(|axis| {
+        let ray = Ray::with_interval(point, axis.unit_vector(), 0.0, 0.0);
+        let mut any = AnyHit::new(&ray);
+        structure.traverse::<Exact, _, _>(&ray, &mut any, &mut ());
+        any.found()
+    })
 }
 
 impl<T: Traverse> RayQuery for T {
@@ -254,19 +169,52 @@ impl<T: Traverse> RayQuery for T {
     fn any_hit_counted(&self, ray: &Ray, counts: &mut QueryCounts) -> bool {
         run(self, ray, AnyHit::new(ray), counts).found()
     }
+
+    fn closest_hit_ignoring(&self, ray: &Ray, primitive: u32) -> Option<Hit> {
+        run(self, ray, ClosestHit::new(ray).ignoring(primitive), &mut ()).hit()
+    }
+
+    fn any_hit_ignoring(&self, ray: &Ray, primitive: u32) -> bool {
+        run(self, ray, AnyHit::new(ray).ignoring(primitive), &mut ()).found()
+    }
+
+    fn all_hits(&self, ray: &Ray, visitor: &mut dyn FnMut(Hit) -> ControlFlow<()>) {
+        let kernel = ExactCrossing::new(ray);
+        let mut hits = crossings(self, ray).into_sorted(&kernel);
+        // Broken off or at its end: the visitor knows.
+        let (ControlFlow::Break(()) | ControlFlow::Continue(())) = hits.try_for_each(visitor);
+    }
+
+    fn crossings(&self, ray: &Ray) -> usize {
+        crossings(self, ray).count()
+    }
+
+    fn contains(&self, point: Vec3) -> bool {
+        point.is_finite()
+            && (is_on_surface(self, point)
+                || !self.crossings(&Ray::new(point, Vec3::X)).is_multiple_of(2))
+    }
 }
 
 /// Tests one triangle and offers a hit to the collector: the inner step of every traversal.
 #[inline]
-pub fn test_triangle<K: TriangleKernel, H: HitCollector>(
+pub fn test_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     kernel: &K,
-    t_min: f32,
     triangle: &crate::Triangle,
     primitive: u32,
     collector: &mut H,
+    counter: &mut C,
 ) -> ControlFlow<()> {
-    match kernel.intersect(triangle, t_min, collector.t_max()) {
-        Some(hit) => collector.collect(primitive, hit),
+    counter.triangle_test();
+    match kernel.intersect(triangle, collector.t_max(), counter) {
+        Some(hit) => {
+            let candidate = Candidate {
+                primitive,
+                triangle,
+                hit,
+            };
+            collector.collect(kernel, &candidate)
+        }
         None => ControlFlow::Continue(()),
     }
 }

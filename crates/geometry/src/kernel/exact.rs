@@ -1,0 +1,234 @@
+//! The exact kernels: a ladder of two filters and expansion arithmetic.
+//!
+//! For the ray `O + tD` and the triangle `A`, `B`, `C` let `f = A - O`, `e1 = B - A`, `e2 = C - A`, `n = e1 x e2` and `r = D x f`. Then
+//!
+//! ```text
+//! determinant  D . n          weight of B  -(e2 . r) / determinant      t  (f . n) / determinant
+//! weight of A  the rest       weight of C    e1 . r  / determinant
+//! ```
+//!
+//! and the ray hits the closed triangle where no two weights have opposite signs and the determinant is not zero.
+//!
+//! **The f32 rung** throws out what certainly misses: two weights certainly have opposite signs. By the count of roundings in
+//! [`predicate`](crate::predicate) each term is off by at most `64 u m`, with `u = 2^-24` and `m` the product of the largest components of
+//! its three factors; the weight of `A`, a difference of the other three terms, by at most the sum of their errors, which have a quarter to spare for its
+//! two roundings. Range: the direction is scaled by a power of two so that its largest component is in `[1, 2)`. Lengths enter the bounds with at
+//! least `2^-50`: what products of smaller numbers lose by underflow, at most `2^-145` and `2^-147` times a length, is then inside
+//! them. Where a length is `2^60` or more, the rung decides nothing, so that nothing overflows.
+//!
+//! **The f64 rung** computes the same terms with the same bounds, for `u = 2^-53`, where f32 input can neither overflow nor underflow. It decides if all weights
+//! are certain, if `t` rounds to the same f32 at both ends of its error, and if that is neither end of the ray's
+//! interval. **Expansions** decide the rest.
+//!
+//! **What is returned.** `t` is the exact value rounded to the nearest f32 (and to the largest finite one instead of infinity). Rounding is monotone, so
+//! where two rounded `t` differ they have the order of the exact ones; only where they are equal is the exact order asked for.
+//! `u` and `v` are correct to `2^-24`.
+//!
+//! Source of the terms: Möller and Trumbore 1997, in the order of Havel and Herout, "Yet faster ray-triangle intersection (using SSE4)", 2010.
+
+use std::cmp::Ordering;
+
+use glam::{DVec3, Vec3};
+
+use crate::predicate::{EdgeRule, F64_ERROR, Rung, compare_hits, intersect_exactly, quotient};
+use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
+
+/// The exact kernel: what it answers is true of the given numbers.
+///
+/// A triangle is a closed set: a ray through its edge or vertex hits it. `t` is correct to half a unit in the last place.
+pub type Exact = Ladder<false>;
+
+/// The exact kernel for counting crossings: a ray through an edge or vertex hits as many of the triangles there as it crosses
+/// the surface, by a symbolic perturbation.
+pub type ExactCrossing = Ladder<true>;
+
+/// The ladder of [`Exact`] and [`ExactCrossing`]; `PERTURBED` says whether edges are settled by the perturbation.
+#[derive(Clone, Copy, Debug)]
+pub struct Ladder<const PERTURBED: bool> {
+    ray: Ray,
+    /// The direction, scaled by a power of two to a largest component in `[1, 2)`.
+    scaled_direction: Vec3,
+}
+
+/// The bound of the f32 rung, relative to the product of the largest factors.
+const F32_ERROR: f32 = 64.0 / (1u32 << 24) as f32;
+/// Lengths below this are taken for as long in the bounds of the f32 rung.
+const SMALLEST_LENGTH: f32 = 1.0 / (1u64 << 50) as f32;
+/// From this length on the f32 rung decides nothing.
+const LARGEST_LENGTH: f32 = (1u64 << 60) as f32;
+/// Weights are taken from the f64 rung if their error is below this.
+const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 26) as f64;
+
+impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
+    const REACH: f32 = 0.0;
+
+    fn new(ray: &Ray) -> Self {
+        Self {
+            ray: *ray,
+            scaled_direction: scaled(ray.direction),
+        }
+    }
+
+    #[inline]
+    fn intersect<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        if self.certainly_misses(triangle) {
+            counter.decision(Rung::F32);
+            return None;
+        }
+        self.intersect_in_f64(triangle, t_max, counter)
+    }
+
+    #[cold]
+    fn order_of_equal_t(&self, first: &Triangle, second: &Triangle) -> Ordering {
+        if have_same_vertices(first, second) {
+            return Ordering::Equal;
+        }
+        // Both were hit, so neither is parallel to the ray.
+        compare_hits(&self.ray, first, second).unwrap_or(Ordering::Equal)
+    }
+}
+
+impl<const PERTURBED: bool> Ladder<PERTURBED> {
+    const RULE: EdgeRule = if PERTURBED {
+        EdgeRule::Perturbed
+    } else {
+        EdgeRule::Closed
+    };
+
+    /// The f32 rung.
+    #[inline]
+    fn certainly_misses(&self, triangle: &Triangle) -> bool {
+        let from_origin = triangle.a - self.ray.origin;
+        let edge1 = triangle.b - triangle.a;
+        let edge2 = triangle.c - triangle.a;
+        let normal = edge1.cross(edge2);
+        let moment = self.scaled_direction.cross(from_origin);
+        let determinant = self.scaled_direction.dot(normal);
+        let of_b = -edge2.dot(moment);
+        let of_c = edge1.dot(moment);
+        let of_a = determinant - of_b - of_c;
+
+        let [f, e1, e2] = [from_origin, edge1, edge2].map(largest_component);
+        // The direction's largest component is below 2.
+        let scale = 2.0 * F32_ERROR;
+        let error_b = scale * f * e2;
+        let error_c = scale * f * e1;
+        let error_a = scale * e1 * e2 + error_b + error_c;
+        let positive = of_a > error_a || of_b > error_b || of_c > error_c;
+        let negative = of_a < -error_a || of_b < -error_b || of_c < -error_c;
+        positive && negative && f.max(e1).max(e2) < LARGEST_LENGTH
+    }
+
+    /// The f64 rung.
+    #[inline(never)]
+    fn intersect_in_f64<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        let [origin, direction, a, b, c] = [
+            self.ray.origin,
+            self.ray.direction,
+            triangle.a,
+            triangle.b,
+            triangle.c,
+        ]
+        .map(Vec3::as_dvec3);
+        let (from_origin, edge1, edge2) = (a - origin, b - a, c - a);
+        let normal = edge1.cross(edge2);
+        let moment = direction.cross(from_origin);
+        let determinant = direction.dot(normal);
+        let of_b = -edge2.dot(moment);
+        let of_c = edge1.dot(moment);
+        let of_a = determinant - of_b - of_c;
+
+        let [d, f, e1, e2] =
+            [direction, from_origin, edge1, edge2].map(|vector: DVec3| vector.abs().max_element());
+        let error_b = F64_ERROR * d * f * e2;
+        let error_c = F64_ERROR * d * f * e1;
+        let determinant_error = F64_ERROR * d * e1 * e2;
+        let error_a = determinant_error + error_b + error_c;
+        let positive = [of_a > error_a, of_b > error_b, of_c > error_c];
+        let negative = [of_a < -error_a, of_b < -error_b, of_c < -error_c];
+        if positive.contains(&true) && negative.contains(&true) {
+            counter.decision(Rung::F64);
+            return None;
+        }
+        let all_certain = positive == [true; 3] || negative == [true; 3];
+        let is_well_conditioned = error_a <= WEIGHT_ERROR * determinant.abs();
+        let depth = from_origin.dot(normal);
+        let depth_error = F64_ERROR * f * e1 * e2;
+        let (true, true, Some((t, error))) = (
+            all_certain,
+            is_well_conditioned,
+            quotient(depth, depth_error, determinant, determinant_error),
+        ) else {
+            return self.intersect_exactly(triangle, t_max, counter);
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
+        let (low, high) = ((t - error) as f32, (t + error) as f32);
+        if low > t_max || high < self.ray.t_min {
+            counter.decision(Rung::F64);
+            return None;
+        }
+        let is_certain =
+            low == high && low.is_finite() && low != self.ray.t_min && low != self.ray.t_max;
+        if !is_certain {
+            return self.intersect_exactly(triangle, t_max, counter);
+        }
+        counter.decision(Rung::F64);
+        Some(TriangleHit::new(
+            low,
+            of_b / determinant,
+            of_c / determinant,
+        ))
+    }
+
+    /// The last rung.
+    #[cold]
+    #[inline(never)]
+    fn intersect_exactly<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        counter.decision(Rung::Exact);
+        let hit =
+            intersect_exactly(&self.ray, triangle, Self::RULE)?.rounded_in_interval(&self.ray)?;
+        (hit.t <= t_max).then_some(hit)
+    }
+}
+
+/// The largest magnitude of a component, at least [`SMALLEST_LENGTH`].
+#[inline]
+fn largest_component(vector: Vec3) -> f32 {
+    let larger = |a: f32, b: f32| if a > b { a } else { b };
+    larger(
+        vector.x.abs(),
+        larger(vector.y.abs(), larger(vector.z.abs(), SMALLEST_LENGTH)),
+    )
+}
+
+/// A direction times the power of two that brings its largest component into `[1, 2)`.
+///
+/// Exact, but for components below `2^-126` of the largest, which may lose up to `2^-150`: less than the bounds have to spare.
+fn scaled(direction: Vec3) -> Vec3 {
+    let largest = f64::from(direction.abs().max_element());
+    // The exponent of a normal f64, which every f32 but zero becomes.
+    let power_of_two = f64::from_bits(largest.to_bits() & (0x7ff << 52));
+    (direction.as_dvec3() / power_of_two).as_vec3()
+}
+
+/// Whether two triangles have the same vertices in any order, and so the same plane.
+fn have_same_vertices(first: &Triangle, second: &Triangle) -> bool {
+    let [first, second] = [first, second].map(Triangle::vertices);
+    first.iter().all(|vertex| second.contains(vertex))
+        && second.iter().all(|vertex| first.contains(vertex))
+}

@@ -1,0 +1,189 @@
+//! Exact arithmetic on sums of f64 numbers.
+//!
+//! An expansion is the exact sum of its components, which do not overlap: each one is smaller than the lowest
+//! bit of the next. Sums and products of expansions are exact as long as nothing over- or underflows.
+//!
+//! **Range.** Every finite f32 is a multiple of `2^-149` below `2^128`, so a product of `n` differences of f32 numbers is
+//! a multiple of `2^(-149 n)`, and so is every component of its expansion; a sum of a few such products is
+//! below `2^(129 n + 8)`. The longest products here have six factors (the order of two hits): between `2^-894` and `2^782`.
+//! Splitting a number for an exact product multiplies it by `2^27 + 1`. All of it is inside f64, from `2^-1074` to `2^1024`.
+//!
+//! Source: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997,
+//! sections 2.2 to 2.8: Two-Sum, Split, Two-Product, Expansion-Sum, Scale-Expansion and Compress. All of them keep components from
+//! overlapping, given round-to-even. Differs in dropping zeros.
+
+use smallvec::SmallVec;
+
+use super::Sign;
+
+/// An exact sum of f64 numbers that do not overlap: none of them zero, in the order of their magnitude.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Expansion {
+    components: Components,
+}
+
+/// Compressed expansions of the products of ordinary coordinates have a few components.
+type Components = SmallVec<[f64; 12]>;
+
+/// So many components are not worth compressing.
+const FEW: usize = 6;
+
+impl Expansion {
+    /// Zero.
+    pub(crate) fn zero() -> Self {
+        Self {
+            components: Components::new(),
+        }
+    }
+
+    /// The difference of two f32 numbers.
+    pub(crate) fn difference(a: f32, b: f32) -> Self {
+        let (sum, error) = two_sum(f64::from(a), -f64::from(b));
+        let mut difference = Self::zero();
+        difference.push(error);
+        difference.push(sum);
+        difference
+    }
+
+    /// Appends a component beyond the others, unless it is zero.
+    fn push(&mut self, component: f64) {
+        if component != 0.0 {
+            self.components.push(component);
+        }
+    }
+
+    pub(crate) fn sign(&self) -> Sign {
+        // The last component is larger than all others together.
+        self.components.last().copied().map_or(Sign::Zero, Sign::of)
+    }
+
+    /// The value with a relative error below `2^-50`, and zero only if it is.
+    ///
+    /// From the smallest component up, each sum is below twice the lowest bit of the next one but one, so the roundings add
+    /// up to no more than two of the last.
+    pub(crate) fn approximation(&self) -> f64 {
+        self.components.iter().sum()
+    }
+
+    pub(crate) fn plus(&self, other: &Self) -> Self {
+        self.plus_components(other.components.iter().copied())
+    }
+
+    pub(crate) fn minus(&self, other: &Self) -> Self {
+        self.plus_components(other.components.iter().map(|component| -component))
+    }
+
+    fn plus_components(&self, others: impl Iterator<Item = f64>) -> Self {
+        let mut sum = self.clone();
+        for (first, component) in others.enumerate() {
+            // What comes before `first` is below everything that is still to be added.
+            let largest = grow(&mut sum.components[first..], component);
+            sum.components.push(largest);
+        }
+        sum.components.retain(|component| *component != 0.0);
+        sum.compressed()
+    }
+
+    pub(crate) fn times(&self, other: &Self) -> Self {
+        let mut parts = other.components.iter();
+        let Some(first) = parts.next() else {
+            return Self::zero();
+        };
+        let mut product = self.scaled(*first);
+        for component in parts {
+            product = product.plus(&self.scaled(*component));
+        }
+        product
+    }
+
+    /// The product with a number.
+    pub(crate) fn scaled(&self, factor: f64) -> Self {
+        let mut scaled = Self::zero();
+        let mut carry = 0.0;
+        for component in &self.components {
+            let (product, error) = two_product(*component, factor);
+            let (low_sum, low) = two_sum(carry, error);
+            let (high_sum, high) = fast_two_sum(product, low_sum);
+            scaled.push(low);
+            scaled.push(high);
+            carry = high_sum;
+        }
+        scaled.push(carry);
+        scaled.compressed()
+    }
+
+    /// The same value in as few components as possible, where there are many.
+    fn compressed(mut self) -> Self {
+        let components = &mut self.components;
+        let count = components.len();
+        if count <= FEW {
+            return self;
+        }
+        let mut carry = components[count - 1];
+        // From the largest down, to the upper end of the same places.
+        let mut bottom = count;
+        for index in (0..count - 1).rev() {
+            let (sum, error) = fast_two_sum(carry, components[index]);
+            carry = sum;
+            if error != 0.0 {
+                bottom -= 1;
+                components[bottom] = sum;
+                carry = error;
+            }
+        }
+        // And up again, to the lower end.
+        let mut top = 0;
+        for index in bottom..count {
+            let (sum, error) = fast_two_sum(components[index], carry);
+            carry = sum;
+            if error != 0.0 {
+                components[top] = error;
+                top += 1;
+            }
+        }
+        components.truncate(top);
+        components.push(carry);
+        self
+    }
+}
+
+/// Adds a number to an expansion in place; gives the new largest component.
+fn grow(components: &mut [f64], value: f64) -> f64 {
+    let mut carry = value;
+    for component in components {
+        let (sum, error) = two_sum(carry, *component);
+        *component = error;
+        carry = sum;
+    }
+    carry
+}
+
+/// The rounded sum and its error.
+fn two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    let b_part = sum - a;
+    let a_part = sum - b_part;
+    (sum, (a - a_part) + (b - b_part))
+}
+
+/// The rounded sum and its error, for `|a| >= |b|` or `a = 0`.
+fn fast_two_sum(a: f64, b: f64) -> (f64, f64) {
+    let sum = a + b;
+    (sum, b - (sum - a))
+}
+
+/// The rounded product and its error, by Dekker's splitting, which needs no fused multiply-add.
+fn two_product(a: f64, b: f64) -> (f64, f64) {
+    let product = a * b;
+    let ((a_high, a_low), (b_high, b_low)) = (split(a), split(b));
+    let error = product - a_high * b_high - a_low * b_high - a_high * b_low;
+    (product, a_low * b_low - error)
+}
+
+/// A number as the sum of two with 26 bits each.
+fn split(value: f64) -> (f64, f64) {
+    const SPLITTER: f64 = ((1u64 << 27) + 1) as f64;
+    let scaled = SPLITTER * value;
+    let high = scaled - (scaled - value);
+    (high, value - high)
+}

@@ -1,0 +1,282 @@
+//! A ray against a triangle in expansion arithmetic: the last rung.
+
+use std::cmp::Ordering;
+
+use glam::Vec3;
+
+use super::{Expansion, F64_ERROR, Sign};
+use crate::{Ray, Triangle, TriangleHit};
+
+/// Who owns the edges of a triangle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum EdgeRule {
+    /// The triangle is a closed set: a ray through an edge hits the triangles on both sides of it.
+    Closed,
+    /// The ray's origin is moved by `(e, e^2, e^3)` with an infinitesimal `e > 0`, so that it passes no edge of any triangle
+    /// exactly, and crosses a closed surface as often inwards as outwards.
+    ///
+    /// The derivative of `D . ((P - O) x (Q - O))` by the movement of the origin is `D x (Q - P)`. So where the edge function is zero, the first
+    /// component of that vector which is not decides; if all are zero, the edge is parallel to the ray, and its triangle is never crossed.
+    /// The rule depends on the ray and on the edge alone, with opposite signs for opposite directions: neighbours agree.
+    ///
+    /// Source: Edelsbrunner and Mücke, "Simulation of simplicity", 1990.
+    Perturbed,
+}
+
+/// A hit, known exactly.
+pub(crate) struct ExactHit {
+    /// `t = numerator / determinant`.
+    numerator: Expansion,
+    determinant: Expansion,
+    /// The weights of the second and third vertex, times the determinant.
+    weights: [Expansion; 2],
+}
+
+type Vector = [Expansion; 3];
+
+fn difference(a: Vec3, b: Vec3) -> Vector {
+    [0, 1, 2].map(|axis| Expansion::difference(a[axis], b[axis]))
+}
+
+fn cross(a: &Vector, b: &Vector) -> Vector {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| a[i].times(&b[j]).minus(&a[j].times(&b[i])))
+}
+
+fn cross_vector(a: Vec3, b: &Vector) -> Vector {
+    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| b[j].scaled(a[i].into()).minus(&b[i].scaled(a[j].into())))
+}
+
+fn dot(a: &Vector, b: &Vector) -> Expansion {
+    let [x, y, z] = [0, 1, 2].map(|axis| a[axis].times(&b[axis]));
+    x.plus(&y).plus(&z)
+}
+
+/// The dot product with a vector of single numbers.
+fn dot_vector(a: &Vector, b: Vec3) -> Expansion {
+    let [x, y, z] = [0, 1, 2].map(|axis| a[axis].scaled(f64::from(b[axis])));
+    x.plus(&y).plus(&z)
+}
+
+/// `(B - A) x (C - A)`.
+pub(super) fn normal(triangle: &Triangle) -> Vector {
+    cross(
+        &difference(triangle.b, triangle.a),
+        &difference(triangle.c, triangle.a),
+    )
+}
+
+/// `D . ((from - O) x (to - O))`.
+pub(super) fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> Expansion {
+    let cross = cross(&difference(from, ray.origin), &difference(to, ray.origin));
+    dot_vector(&cross, ray.direction)
+}
+
+/// `D . N`.
+pub(super) fn determinant(direction: Vec3, triangle: &Triangle) -> Expansion {
+    dot_vector(&normal(triangle), direction)
+}
+
+/// `(A - O) . N`: how far the triangle's plane is in front of a point, in lengths of the normal.
+pub(super) fn depth(origin: Vec3, triangle: &Triangle) -> Expansion {
+    dot(&difference(triangle.a, origin), &normal(triangle))
+}
+
+/// The side of an edge under a rule.
+fn edge_sign(ray: &Ray, from: Vec3, to: Vec3, value: &Expansion, rule: EdgeRule) -> Sign {
+    let sign = value.sign();
+    if sign != Sign::Zero || rule == EdgeRule::Closed {
+        return sign;
+    }
+    let derivative = cross_vector(ray.direction, &difference(to, from));
+    let signs = derivative.iter().map(Expansion::sign);
+    signs
+        .into_iter()
+        .find(|sign| *sign != Sign::Zero)
+        .unwrap_or(Sign::Zero)
+}
+
+/// Where a ray's line meets a triangle; `None` for a miss.
+///
+/// The weight of the first vertex is the side of the opposite edge, from the second vertex to the third, and so on in turn. In the
+/// terms of the [exact kernel](crate::kernel::Exact): `-(e2 . r)` for the second vertex, `e1 . r` for the third, with `r = D x (A - O)`.
+pub(crate) fn intersect_exactly(
+    ray: &Ray,
+    triangle: &Triangle,
+    rule: EdgeRule,
+) -> Option<ExactHit> {
+    let Triangle { a, b, c } = *triangle;
+    let from_origin = difference(a, ray.origin);
+    let moment = cross_vector(ray.direction, &from_origin);
+    let [edge1, edge2] = [b, c].map(|vertex| difference(vertex, a));
+    let of_b = Expansion::zero().minus(&dot(&edge2, &moment));
+    let sign_b = edge_sign(ray, c, a, &of_b, rule);
+    let of_c = dot(&edge1, &moment);
+    let sign_c = edge_sign(ray, a, b, &of_c, rule);
+    if are_opposite(sign_b, sign_c) {
+        return None;
+    }
+    let normal = cross(&edge1, &edge2);
+    let determinant = dot_vector(&normal, ray.direction);
+    let of_a = determinant.minus(&of_b).minus(&of_c);
+    let sign_a = edge_sign(ray, b, c, &of_a, rule);
+    let is_outside = are_opposite(sign_a, sign_b) || are_opposite(sign_a, sign_c);
+    let misses_by_perturbation =
+        rule == EdgeRule::Perturbed && [sign_a, sign_b, sign_c].contains(&Sign::Zero);
+    if is_outside || misses_by_perturbation || determinant.sign() == Sign::Zero {
+        return None;
+    }
+    Some(ExactHit {
+        numerator: dot(&from_origin, &normal),
+        determinant,
+        weights: [of_b, of_c],
+    })
+}
+
+fn are_opposite(first: Sign, second: Sign) -> bool {
+    first != Sign::Zero && second == first.flipped()
+}
+
+impl ExactHit {
+    /// Where the ray's line meets the triangle's plane; `None` if it is parallel to it.
+    fn of_plane(ray: &Ray, triangle: &Triangle) -> Option<Self> {
+        let determinant = determinant(ray.direction, triangle);
+        (determinant.sign() != Sign::Zero).then(|| Self {
+            numerator: depth(ray.origin, triangle),
+            determinant,
+            weights: [Expansion::zero(), Expansion::zero()],
+        })
+    }
+
+    /// `t`, `u` and `v` rounded, if the exact `t` is in the ray's interval.
+    pub(crate) fn rounded_in_interval(&self, ray: &Ray) -> Option<TriangleHit> {
+        let is_inside = self.compare_t(ray.t_min) != Ordering::Less
+            && self.compare_t(ray.t_max) != Ordering::Greater;
+        is_inside.then(|| {
+            let determinant = self.determinant.approximation();
+            let [u, v] = [0, 1].map(|index| self.weights[index].approximation() / determinant);
+            TriangleHit::new(self.rounded_t(), u, v)
+        })
+    }
+
+    /// Compares `t` with a number that is not NaN.
+    fn compare_t(&self, t: f32) -> Ordering {
+        if t.is_infinite() {
+            return if t > 0.0 {
+                Ordering::Less
+            } else {
+                Ordering::Greater
+            };
+        }
+        self.compare_t_f64(f64::from(t))
+    }
+
+    /// Compares `t` with a number of at most 25 bits in the range of f32.
+    fn compare_t_f64(&self, t: f64) -> Ordering {
+        let difference = self.numerator.minus(&self.determinant.scaled(t));
+        self.order(difference.sign())
+    }
+
+    /// The order of two values from the sign of their difference times the determinant.
+    fn order(&self, sign: Sign) -> Ordering {
+        let order = sign.compared_with_zero();
+        if self.determinant.sign() == Sign::Negative {
+            order.reverse()
+        } else {
+            order
+        }
+    }
+
+    /// The order of two hits.
+    fn compare(&self, other: &Self) -> Ordering {
+        let left = self.numerator.times(&other.determinant);
+        let right = other.numerator.times(&self.determinant);
+        let order = self.order(left.minus(&right).sign());
+        if other.determinant.sign() == Sign::Negative {
+            order.reverse()
+        } else {
+            order
+        }
+    }
+
+    /// `t` rounded to the nearest f32, ties to even, and to the largest finite one instead of infinity.
+    fn rounded_t(&self) -> f32 {
+        // Off by less than 2^-48 of itself.
+        let t = self.numerator.approximation() / self.determinant.approximation();
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "rounds to the nearest f32, mended below"
+        )]
+        let nearest = (t as f32).clamp(f32::MIN, f32::MAX);
+        for (inner, outer) in [(nearest.next_down(), nearest), (nearest, nearest.next_up())] {
+            if inner.is_infinite() || outer.is_infinite() {
+                continue;
+            }
+            // Exact: 25 bits.
+            let middle = f64::midpoint(f64::from(inner), f64::from(outer));
+            if (t - middle).abs() <= t.abs() * f64::EPSILON * 16.0 {
+                let is_even = |value: f32| value.to_bits().is_multiple_of(2);
+                return match self.compare_t_f64(middle) {
+                    Ordering::Less => inner,
+                    Ordering::Greater => outer,
+                    Ordering::Equal if is_even(inner) => inner,
+                    Ordering::Equal => outer,
+                };
+            }
+        }
+        nearest
+    }
+}
+
+/// `t` in f64 with a bound of its error; `None` where too much cancels.
+fn approximate_t(ray: &Ray, triangle: &Triangle) -> Option<(f64, f64)> {
+    let [origin, direction, a, b, c] = [
+        ray.origin,
+        ray.direction,
+        triangle.a,
+        triangle.b,
+        triangle.c,
+    ]
+    .map(Vec3::as_dvec3);
+    let (from_origin, edge1, edge2) = (a - origin, b - a, c - a);
+    let normal = edge1.cross(edge2);
+    let determinant = direction.dot(normal);
+    let [d, f, e1, e2] =
+        [direction, from_origin, edge1, edge2].map(|vector| vector.abs().max_element());
+    let error = F64_ERROR * e1 * e2;
+    quotient(from_origin.dot(normal), error * f, determinant, error * d)
+}
+
+/// A quotient with a bound of its error, from numbers with bounds; `None` if the divisor is not certain to two bits.
+pub(crate) fn quotient(
+    value: f64,
+    value_error: f64,
+    divisor: f64,
+    divisor_error: f64,
+) -> Option<(f64, f64)> {
+    let quotient = value / divisor;
+    // The divisor is at least half of what was computed, hence the factor 2; the last term is the rounding of the quotient
+    // and of the bound itself.
+    let error = 2.0 * (value_error + quotient.abs() * divisor_error) / divisor.abs()
+        + quotient.abs() * f64::EPSILON;
+    (divisor.abs() > 2.0 * divisor_error).then_some((quotient, error))
+}
+
+pub(super) fn compare_t(ray: &Ray, triangle: &Triangle, t: f32) -> Option<Ordering> {
+    if let Some((value, error)) = approximate_t(ray, triangle)
+        && let Some(sign) = Sign::certain(value - f64::from(t), error * 2.0)
+    {
+        return Some(sign.compared_with_zero());
+    }
+    ExactHit::of_plane(ray, triangle).map(|hit| hit.compare_t(t))
+}
+
+pub(super) fn compare_hits(ray: &Ray, first: &Triangle, second: &Triangle) -> Option<Ordering> {
+    if let (Some((first, first_error)), Some((second, second_error))) =
+        (approximate_t(ray, first), approximate_t(ray, second))
+        && let Some(sign) = Sign::certain(first - second, 2.0 * (first_error + second_error))
+    {
+        return Some(sign.compared_with_zero());
+    }
+    let [first, second] = [first, second].map(|triangle| ExactHit::of_plane(ray, triangle));
+    Some(first?.compare(&second?))
+}

@@ -1,0 +1,238 @@
+//! What a query makes of the triangles that a traversal finds.
+
+use std::cmp::Ordering;
+use std::ops::ControlFlow;
+
+use super::Hit;
+use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
+
+/// A triangle that a kernel accepted.
+#[derive(Clone, Copy, Debug)]
+pub struct Candidate<'a> {
+    /// Its index in the mesh.
+    pub primitive: u32,
+    /// The triangle.
+    pub triangle: &'a Triangle,
+    /// Where the ray meets it.
+    pub hit: TriangleHit,
+}
+
+impl Candidate<'_> {
+    fn hit(&self) -> Hit {
+        let TriangleHit { t, u, v } = self.hit;
+        Hit {
+            t,
+            u,
+            v,
+            primitive: self.primitive,
+        }
+    }
+}
+
+/// The goal of a search.
+pub trait HitCollector {
+    /// The largest rounded `t` that still matters. A traversal may skip whatever begins beyond it.
+    fn t_max(&self) -> f32;
+
+    /// Takes a hit with `t` not above [`t_max`](Self::t_max); the same triangle may come more than once. `Break` ends the
+    /// traversal.
+    fn collect<K: TriangleKernel>(
+        &mut self,
+        kernel: &K,
+        candidate: &Candidate<'_>,
+    ) -> ControlFlow<()>;
+}
+
+/// Collects the closest hit: smallest `t`, then smallest primitive.
+#[derive(Clone, Copy, Debug)]
+pub struct ClosestHit {
+    t_max: f32,
+    ignored: Option<u32>,
+    best: Option<(Hit, Triangle)>,
+}
+
+impl ClosestHit {
+    /// A search up to the ray's `t_max`.
+    #[must_use]
+    pub const fn new(ray: &Ray) -> Self {
+        Self {
+            t_max: ray.t_max,
+            ignored: None,
+            best: None,
+        }
+    }
+
+    /// The same search without one primitive.
+    #[must_use]
+    pub const fn ignoring(self, primitive: u32) -> Self {
+        Self {
+            ignored: Some(primitive),
+            ..self
+        }
+    }
+
+    /// The closest hit so far.
+    #[must_use]
+    pub fn hit(&self) -> Option<Hit> {
+        self.best.map(|(hit, _)| hit)
+    }
+}
+
+impl HitCollector for ClosestHit {
+    #[inline]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+
+    #[inline]
+    fn collect<K: TriangleKernel>(
+        &mut self,
+        kernel: &K,
+        candidate: &Candidate<'_>,
+    ) -> ControlFlow<()> {
+        if self.ignored == Some(candidate.primitive) {
+            return ControlFlow::Continue(());
+        }
+        let is_closer = self.best.is_none_or(|(best, triangle)| {
+            compare(
+                kernel,
+                (&candidate.hit(), candidate.triangle),
+                (&best, &triangle),
+            )
+            .is_lt()
+        });
+        if is_closer {
+            self.t_max = candidate.hit.t;
+            self.best = Some((candidate.hit(), *candidate.triangle));
+        }
+        ControlFlow::Continue(())
+    }
+}
+
+/// The order of hits along a ray: by `t`, then by primitive.
+#[inline]
+fn compare<K: TriangleKernel>(
+    kernel: &K,
+    first: (&Hit, &Triangle),
+    second: (&Hit, &Triangle),
+) -> Ordering {
+    if first.0.t < second.0.t {
+        return Ordering::Less;
+    }
+    if first.0.t > second.0.t {
+        return Ordering::Greater;
+    }
+    if first.0.primitive == second.0.primitive {
+        return Ordering::Equal;
+    }
+    let by_t = kernel.order_of_equal_t(first.1, second.1);
+    by_t.then_with(|| first.0.primitive.cmp(&second.0.primitive))
+}
+
+/// Ends the traversal at the first hit that is found.
+#[derive(Clone, Copy, Debug)]
+pub struct AnyHit {
+    t_max: f32,
+    ignored: Option<u32>,
+    found: bool,
+}
+
+impl AnyHit {
+    /// A search up to the ray's `t_max`.
+    #[must_use]
+    pub const fn new(ray: &Ray) -> Self {
+        Self {
+            t_max: ray.t_max,
+            ignored: None,
+            found: false,
+        }
+    }
+
+    /// The same search without one primitive.
+    #[must_use]
+    pub const fn ignoring(self, primitive: u32) -> Self {
+        Self {
+            ignored: Some(primitive),
+            ..self
+        }
+    }
+
+    /// Whether a hit was found.
+    #[must_use]
+    pub const fn found(&self) -> bool {
+        self.found
+    }
+}
+
+impl HitCollector for AnyHit {
+    #[inline]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+
+    #[inline]
+    fn collect<K: TriangleKernel>(
+        &mut self,
+        _kernel: &K,
+        candidate: &Candidate<'_>,
+    ) -> ControlFlow<()> {
+        if self.ignored == Some(candidate.primitive) {
+            return ControlFlow::Continue(());
+        }
+        self.found = true;
+        ControlFlow::Break(())
+    }
+}
+
+/// Collects all hits, each triangle once.
+#[derive(Clone, Debug)]
+pub struct AllHits {
+    t_max: f32,
+    hits: Vec<(Hit, Triangle)>,
+}
+
+impl AllHits {
+    /// A search up to the ray's `t_max`.
+    #[must_use]
+    pub const fn new(ray: &Ray) -> Self {
+        Self {
+            t_max: ray.t_max,
+            hits: Vec::new(),
+        }
+    }
+
+    /// The hits in their order along the ray: by `t`, then by primitive.
+    pub fn into_sorted<K: TriangleKernel>(mut self, kernel: &K) -> impl Iterator<Item = Hit> {
+        self.hits
+            .sort_unstable_by(|(first, first_triangle), (second, second_triangle)| {
+                compare(kernel, (first, first_triangle), (second, second_triangle))
+            });
+        self.hits.dedup_by_key(|(hit, _)| hit.primitive);
+        self.hits.into_iter().map(|(hit, _)| hit)
+    }
+
+    /// How many triangles were hit.
+    #[must_use]
+    pub fn count(mut self) -> usize {
+        self.hits.sort_unstable_by_key(|(hit, _)| hit.primitive);
+        self.hits.dedup_by_key(|(hit, _)| hit.primitive);
+        self.hits.len()
+    }
+}
+
+impl HitCollector for AllHits {
+    #[inline]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+
+    #[inline]
+    fn collect<K: TriangleKernel>(
+        &mut self,
+        _kernel: &K,
+        candidate: &Candidate<'_>,
+    ) -> ControlFlow<()> {
+        self.hits.push((candidate.hit(), *candidate.triangle));
+        ControlFlow::Continue(())
+    }
+}
