@@ -171,14 +171,12 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         ) else {
             return self.intersect_exactly(triangle, t_max, counter);
         };
-        #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
-        let (low, high) = ((t - error) as f32, (t + error) as f32);
+        let [low, high] = [t - error, t + error].map(rounded);
         if low > t_max || high < self.ray.t_min {
             counter.decision(Rung::F64);
             return None;
         }
-        let is_certain =
-            low == high && low.is_finite() && low != self.ray.t_min && low != self.ray.t_max;
+        let is_certain = low == high && low != self.ray.t_min && low != self.ray.t_max;
         if !is_certain {
             return self.intersect_exactly(triangle, t_max, counter);
         }
@@ -214,6 +212,13 @@ fn largest_component(vector: Vec3) -> f32 {
         vector.x.abs(),
         larger(vector.y.abs(), larger(vector.z.abs(), SMALLEST_LENGTH)),
     )
+}
+
+/// The nearest f32, or the largest finite one.
+fn rounded(t: f64) -> f32 {
+    #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
+    let nearest = t as f32;
+    nearest.clamp(f32::MIN, f32::MAX)
 }
 
 /// A direction times the power of two that brings its largest component into `[1, 2)`.

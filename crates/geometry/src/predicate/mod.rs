@@ -186,6 +186,3 @@ fn certain_triple_product(a: DVec3, b: DVec3, c: DVec3) -> Option<Sign> {
     let error = F64_ERROR * largest(a) * largest(b) * largest(c);
     Sign::certain(a.dot(b.cross(c)), error)
 }
-
-#[cfg(test)]
-mod tests;
