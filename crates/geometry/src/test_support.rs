@@ -5,7 +5,7 @@ use std::fmt::Debug;
 use glam::Vec3;
 use proptest::prelude::*;
 
-use crate::{Axis, BruteForce, Precision, QueryCounts, Ray, RayQuery, TriangleMesh};
+use crate::{Axis, BruteForce, Hit, Precision, QueryCounts, Ray, RayQuery, TriangleMesh};
 
 /// A point with coordinates in `[-size, size]`.
 pub fn point(size: f32) -> impl Strategy<Value = Vec3> {
@@ -241,8 +241,65 @@ fn teapot_in_a_stadium() -> TriangleMesh {
     soup(small.chain([floor]).collect())
 }
 
-/// Checks that a structure answers like brute force: closest hit (same primitive, same bits), any hit, counted and
-/// batch forms.
+/// What brute force answers, for holding structures against it.
+#[derive(Clone, Debug)]
+pub struct BruteForceAnswers<'a> {
+    precision: Precision,
+    rays: &'a [Ray],
+    hits: Vec<Option<Hit>>,
+}
+
+impl<'a> BruteForceAnswers<'a> {
+    /// The closest hits of some rays.
+    #[must_use]
+    pub fn new(mesh: &TriangleMesh, precision: Precision, rays: &'a [Ray]) -> Self {
+        let mut hits = vec![None; rays.len()];
+        BruteForce::new(mesh, precision).closest_hits(rays, &mut hits);
+        Self {
+            precision,
+            rays,
+            hits,
+        }
+    }
+
+    /// Checks that a structure gives the same closest hits (same primitive, same bits) and any hits, in counted and
+    /// batch forms.
+    ///
+    /// # Panics
+    /// If an answer differs.
+    pub fn assert_equal<S: RayQuery>(&self, name: impl Debug, structure: &S) {
+        let precision = self.precision;
+        for (ray, expected) in self.rays.iter().zip(&self.hits) {
+            let mut counts = QueryCounts::default();
+            let closest = [
+                structure.closest_hit(ray),
+                structure.closest_hit_counted(ray, &mut counts),
+            ];
+            assert_eq!(
+                closest, [*expected; 2],
+                "closest hit, {name:?}, {precision:?}, {ray:?}"
+            );
+            let any = [
+                structure.any_hit(ray),
+                structure.any_hit_counted(ray, &mut counts),
+            ];
+            assert_eq!(
+                any,
+                [expected.is_some(); 2],
+                "any hit, {name:?}, {precision:?}, {ray:?}"
+            );
+        }
+        let mut hits = vec![None; self.rays.len()];
+        structure.closest_hits(self.rays, &mut hits);
+        assert_eq!(hits, self.hits, "batch, {name:?}, {precision:?}");
+        let mut any = vec![false; self.rays.len()];
+        structure.any_hits(self.rays, &mut any);
+        let expected: Vec<bool> = self.hits.iter().map(Option::is_some).collect();
+        assert_eq!(any, expected, "batch of any hits, {name:?}, {precision:?}");
+    }
+}
+
+/// Checks that a structure answers like brute force: [`BruteForceAnswers::assert_equal`].
 ///
 /// # Panics
 /// If an answer differs.
@@ -253,42 +310,5 @@ pub fn assert_answers_like_brute_force<S: RayQuery>(
     precision: Precision,
     rays: &[Ray],
 ) {
-    let reference = BruteForce::new(mesh, precision);
-    for ray in rays {
-        let expected = reference.closest_hit(ray);
-        assert_eq!(
-            structure.closest_hit(ray),
-            expected,
-            "closest hit, {name:?}, {precision:?}, {ray:?}"
-        );
-        assert_eq!(
-            structure.any_hit(ray),
-            expected.is_some(),
-            "any hit, {name:?}, {precision:?}, {ray:?}"
-        );
-        let mut counts = QueryCounts::default();
-        assert_eq!(
-            structure.closest_hit_counted(ray, &mut counts),
-            expected,
-            "counted, {name:?}"
-        );
-        assert_eq!(
-            structure.any_hit_counted(ray, &mut counts),
-            expected.is_some(),
-            "counted, {name:?}"
-        );
-    }
-    let mut hits = vec![None; rays.len()];
-    structure.closest_hits(rays, &mut hits);
-    let mut expected = vec![None; rays.len()];
-    reference.closest_hits(rays, &mut expected);
-    assert_eq!(hits, expected, "batch, {name:?}, {precision:?}");
-    let mut any = vec![false; rays.len()];
-    structure.any_hits(rays, &mut any);
-    assert!(
-        any.iter()
-            .zip(&expected)
-            .all(|(any, hit)| *any == hit.is_some()),
-        "batch of any hits, {name:?}, {precision:?}"
-    );
+    BruteForceAnswers::new(mesh, precision, rays).assert_equal(name, structure);
 }

@@ -22,6 +22,7 @@ fn wild_point() -> impl Strategy<Value = Vec3> {
 
 /// Points among which coincidences are common: on a grid, in a small box, anywhere, or on a grid of some power of two.
 fn any_point() -> impl Strategy<Value = Vec3> {
+    #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
     let scaled = (grid_point(), -140i32..120).prop_map(|(point, power)| {
         point
             .as_dvec3()

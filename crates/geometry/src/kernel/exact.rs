@@ -16,9 +16,12 @@
 //! least `2^-50`: what products of smaller numbers lose by underflow, at most `2^-145` and `2^-147` times a length, is then inside
 //! them. Where a length is `2^60` or more, the rung decides nothing, so that nothing overflows.
 //!
-//! **The f64 rung** computes the same terms with the same bounds, for `u = 2^-53`, where f32 input can neither overflow nor underflow. It decides if all weights
-//! are certain, if `t` rounds to the same f32 at both ends of its error, and if that is neither end of the ray's
-//! interval. **Expansions** decide the rest.
+//! **The f64 rung** computes the same terms with the same bounds, for `u = 2^-53`, where f32 input can neither overflow nor underflow. It decides where the
+//! weights are certain, where `t` rounds to the same f32 at both ends of its error, and where that is neither end of the ray's
+//! interval.
+//!
+//! **Expansions** decide the rest: the sides of single edges, for rays aimed at them, or all of it where the determinant
+//! or `t` is uncertain.
 //!
 //! **What is returned.** `t` is the exact value rounded to the nearest f32 (and to the largest finite one instead of infinity). Rounding is monotone, so
 //! where two rounded `t` differ they have the order of the exact ones; only where they are equal is the exact order asked for.
@@ -30,7 +33,9 @@ use std::cmp::Ordering;
 
 use glam::{DVec3, Vec3};
 
-use crate::predicate::{EdgeRule, F64_ERROR, Rung, compare_hits, intersect_exactly, quotient};
+use crate::predicate::{
+    EdgeRule, F64_ERROR, Rung, Sign, compare_hits, edge_sign, intersect_exactly, quotient,
+};
 use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
 /// The exact kernel: what it answers is true of the given numbers.
@@ -160,27 +165,34 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
             counter.decision(Rung::F64);
             return None;
         }
-        let all_certain = positive == [true; 3] || negative == [true; 3];
         let is_well_conditioned = error_a <= WEIGHT_ERROR * determinant.abs();
         let depth = from_origin.dot(normal);
         let depth_error = F64_ERROR * f * e1 * e2;
-        let (true, true, Some((t, error))) = (
-            all_certain,
+        let (true, Some((t, error))) = (
             is_well_conditioned,
             quotient(depth, depth_error, determinant, determinant_error),
         ) else {
             return self.intersect_exactly(triangle, t_max, counter);
         };
+        let certain = [0, 1, 2].map(|index| positive[index] || negative[index]);
+        let mut rung = Rung::F64;
+        if certain != [true; 3] {
+            rung = Rung::Exact;
+            if !self.is_inside_exactly(triangle, certain, Sign::of(determinant)) {
+                counter.decision(rung);
+                return None;
+            }
+        }
         let [low, high] = [t - error, t + error].map(rounded);
         if low > t_max || high < self.ray.t_min {
-            counter.decision(Rung::F64);
+            counter.decision(rung);
             return None;
         }
         let is_certain = low == high && low != self.ray.t_min && low != self.ray.t_max;
         if !is_certain {
             return self.intersect_exactly(triangle, t_max, counter);
         }
-        counter.decision(Rung::F64);
+        counter.decision(rung);
         Some(TriangleHit::new(
             low,
             of_b / determinant,
@@ -188,7 +200,20 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         ))
     }
 
-    /// The last rung.
+    /// Whether the ray passes all edges that f64 was not certain of on the side of the determinant's sign.
+    #[cold]
+    #[inline(never)]
+    fn is_inside_exactly(&self, triangle: &Triangle, certain: [bool; 3], inside: Sign) -> bool {
+        let Triangle { a, b, c } = *triangle;
+        let edges = [(b, c), (c, a), (a, b)];
+        let mut uncertain = edges.iter().zip(certain).filter(|(_, certain)| !certain);
+        uncertain.all(|(&(from, to), _)| {
+            let sign = edge_sign(&self.ray, from, to, Self::RULE);
+            sign == inside || (!PERTURBED && sign == Sign::Zero)
+        })
+    }
+
+    /// The last rung for all that a hit consists of.
     #[cold]
     #[inline(never)]
     fn intersect_exactly<C: TraversalCounter>(

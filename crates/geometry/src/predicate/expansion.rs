@@ -1,7 +1,8 @@
 //! Exact arithmetic on sums of f64 numbers.
 //!
-//! An expansion is the exact sum of its components, which do not overlap: each one is smaller than the lowest
-//! bit of the next. Sums and products of expansions are exact as long as nothing over- or underflows.
+//! An expansion is the exact sum of its components, which do not overlap strongly (Shewchuk's term): no two of them have bits of the
+//! same value, and those that touch are powers of two. So the last one is larger than all others together. Sums and products of
+//! expansions are exact as long as nothing over- or underflows.
 //!
 //! **Range.** Every finite f32 is a multiple of `2^-149` below `2^128`, so a product of `n` differences of f32 numbers is
 //! a multiple of `2^(-149 n)`, and so is every component of its expansion; a sum of a few such products is
@@ -9,8 +10,8 @@
 //! Splitting a number for an exact product multiplies it by `2^27 + 1`. All of it is inside f64, from `2^-1074` to `2^1024`.
 //!
 //! Source: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997,
-//! sections 2.2 to 2.8: Two-Sum, Split, Two-Product, Expansion-Sum, Scale-Expansion and Compress. All of them keep components from
-//! overlapping, given round-to-even. Differs in dropping zeros.
+//! sections 2.2 to 2.8: Two-Sum, Split, Two-Product, Fast-Expansion-Sum, Scale-Expansion and Compress. All of them keep components
+//! from overlapping strongly, given round-to-even. Differs in dropping zeros.
 
 use smallvec::SmallVec;
 
@@ -66,21 +67,40 @@ impl Expansion {
     }
 
     pub(crate) fn plus(&self, other: &Self) -> Self {
-        self.plus_components(other.components.iter().copied())
+        self.plus_times(other, 1.0)
     }
 
     pub(crate) fn minus(&self, other: &Self) -> Self {
-        self.plus_components(other.components.iter().map(|component| -component))
+        self.plus_times(other, -1.0)
     }
 
-    fn plus_components(&self, others: impl Iterator<Item = f64>) -> Self {
-        let mut sum = self.clone();
-        for (first, component) in others.enumerate() {
-            // What comes before `first` is below everything that is still to be added.
-            let largest = grow(&mut sum.components[first..], component);
-            sum.components.push(largest);
+    /// The sum with the other expansion times 1 or -1.
+    fn plus_times(&self, other: &Self, sign: f64) -> Self {
+        let mut sum = Self::zero();
+        let (mut left, mut right) = (self.components.as_slice(), other.components.as_slice());
+        let mut carry = 0.0;
+        // All components in the order of their magnitude.
+        loop {
+            let next = match (left.split_first(), right.split_first()) {
+                (Some((first, rest)), Some((other, _))) if first.abs() <= other.abs() => {
+                    left = rest;
+                    *first
+                }
+                (_, Some((first, rest))) => {
+                    right = rest;
+                    sign * first
+                }
+                (Some((first, rest)), None) => {
+                    left = rest;
+                    *first
+                }
+                (None, None) => break,
+            };
+            let (larger, error) = two_sum(carry, next);
+            sum.push(error);
+            carry = larger;
         }
-        sum.components.retain(|component| *component != 0.0);
+        sum.push(carry);
         sum.compressed()
     }
 
@@ -145,17 +165,6 @@ impl Expansion {
         components.push(carry);
         self
     }
-}
-
-/// Adds a number to an expansion in place; gives the new largest component.
-fn grow(components: &mut [f64], value: f64) -> f64 {
-    let mut carry = value;
-    for component in components {
-        let (sum, error) = two_sum(carry, *component);
-        *component = error;
-        carry = sum;
-    }
-    carry
 }
 
 /// The rounded sum and its error.

@@ -23,7 +23,7 @@ use std::cmp::Ordering;
 use glam::{DVec3, Vec3};
 
 pub(crate) use expansion::Expansion;
-pub(crate) use ray_triangle::{EdgeRule, intersect_exactly, quotient};
+pub(crate) use ray_triangle::{EdgeRule, edge_sign, intersect_exactly, quotient};
 
 use crate::{Ray, Triangle};
 

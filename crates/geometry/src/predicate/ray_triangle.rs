@@ -65,10 +65,16 @@ pub(super) fn normal(triangle: &Triangle) -> Vector {
     )
 }
 
-/// `D . ((from - O) x (to - O))`.
+/// `D . ((from - O) x (to - O))`, as `(to - from) . (D x (from - O))`.
 pub(super) fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> Expansion {
-    let cross = cross(&difference(from, ray.origin), &difference(to, ray.origin));
-    dot_vector(&cross, ray.direction)
+    let moment = cross_vector(ray.direction, &difference(from, ray.origin));
+    dot(&difference(to, from), &moment)
+}
+
+/// The side of an edge under a rule.
+pub(crate) fn edge_sign(ray: &Ray, from: Vec3, to: Vec3, rule: EdgeRule) -> Sign {
+    let value = edge_function(ray, from, to);
+    settled_sign(ray, from, to, &value, rule)
 }
 
 /// `D . N`.
@@ -81,8 +87,8 @@ pub(super) fn depth(origin: Vec3, triangle: &Triangle) -> Expansion {
     dot(&difference(triangle.a, origin), &normal(triangle))
 }
 
-/// The side of an edge under a rule.
-fn edge_sign(ray: &Ray, from: Vec3, to: Vec3, value: &Expansion, rule: EdgeRule) -> Sign {
+/// The sign of an edge function, where it is zero settled by a rule.
+fn settled_sign(ray: &Ray, from: Vec3, to: Vec3, value: &Expansion, rule: EdgeRule) -> Sign {
     let sign = value.sign();
     if sign != Sign::Zero || rule == EdgeRule::Closed {
         return sign;
@@ -109,16 +115,16 @@ pub(crate) fn intersect_exactly(
     let moment = cross_vector(ray.direction, &from_origin);
     let [edge1, edge2] = [b, c].map(|vertex| difference(vertex, a));
     let of_b = Expansion::zero().minus(&dot(&edge2, &moment));
-    let sign_b = edge_sign(ray, c, a, &of_b, rule);
+    let sign_b = settled_sign(ray, c, a, &of_b, rule);
     let of_c = dot(&edge1, &moment);
-    let sign_c = edge_sign(ray, a, b, &of_c, rule);
+    let sign_c = settled_sign(ray, a, b, &of_c, rule);
     if are_opposite(sign_b, sign_c) {
         return None;
     }
     let normal = cross(&edge1, &edge2);
     let determinant = dot_vector(&normal, ray.direction);
     let of_a = determinant.minus(&of_b).minus(&of_c);
-    let sign_a = edge_sign(ray, b, c, &of_a, rule);
+    let sign_a = settled_sign(ray, b, c, &of_a, rule);
     let is_outside = are_opposite(sign_a, sign_b) || are_opposite(sign_a, sign_c);
     let misses_by_perturbation =
         rule == EdgeRule::Perturbed && [sign_a, sign_b, sign_c].contains(&Sign::Zero);
