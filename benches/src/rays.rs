@@ -1,6 +1,6 @@
 //! Deterministic sets of rays over a scene.
 
-use glam::Vec3;
+use tahko_bench::random::Random;
 use tahko_tracer::geometry::{Aabb, Hit, Ray, RayQuery};
 use tahko_tracer::scene::{Light, Scene};
 
@@ -123,41 +123,10 @@ fn aimed(scene: &Scene, count: usize) -> Vec<Ray> {
         .collect()
 }
 
-/// `SplitMix64` (Steele, Lea, Flood 2014).
-struct Random {
-    state: u64,
-}
-
-impl Random {
-    const fn new(seed: u64) -> Self {
-        Self { state: seed }
-    }
-
-    const fn next(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let value = (self.state ^ self.state >> 30).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let value = (value ^ value >> 27).wrapping_mul(0x94d0_49bb_1331_11eb);
-        value ^ value >> 31
-    }
-
-    /// From 0 to 1, with 24 bits.
-    fn unit(&mut self) -> f32 {
-        (self.next() >> 40) as f32 / (1u32 << 24) as f32
-    }
-
-    #[expect(clippy::cast_possible_truncation, reason = "below a length")]
-    const fn below(&mut self, count: usize) -> usize {
-        (self.next() % count as u64) as usize
-    }
-
-    fn point_in(&mut self, bounds: &Aabb) -> Vec3 {
-        let weights = Vec3::new(self.unit(), self.unit(), self.unit());
-        bounds.min * (Vec3::ONE - weights) + bounds.max * weights
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    use tahko_tracer::geometry::glam::Vec3;
+
     use super::*;
 
     #[test]

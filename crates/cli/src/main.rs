@@ -1,10 +1,12 @@
-//! `tahko`: renders, queries and inspects scenes through four space-partitioning structures.
+//! `tahko`: renders, queries, inspects and verifies scenes through four space-partitioning structures.
 //!
-//! This program only parses arguments, shows progress and prints; all work is done by `tahko-tracer`.
+//! This program only parses arguments, shows progress and prints; all work is done by `tahko-tracer` and, for `verify`, by
+//! `tahko-bench`.
 //! Exit codes: 0 for success, 1 for an error, 2 for wrong usage, 130 after Ctrl-C.
 #![forbid(unsafe_code)]
 
 mod args;
+mod audit_report;
 mod hits;
 mod inspect;
 mod interrupt;
@@ -15,6 +17,7 @@ mod rays;
 mod render;
 mod structure;
 mod terminal;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -59,6 +62,7 @@ fn run(arguments: &Arguments, terminal: &Terminal) -> Result<()> {
             Command::Render(arguments) => render::run(arguments, terminal),
             Command::Query(arguments) => query::run(arguments, terminal),
             Command::Inspect(arguments) => inspect::run(arguments, terminal),
+            Command::Verify(arguments) => verify::run(arguments, terminal),
         })
 }
 

@@ -42,6 +42,11 @@ impl Progress {
         self.start(template, name);
     }
 
+    /// Shows what is going on, without starting anew.
+    pub(crate) fn rename(&self, name: &str) {
+        self.bar.set_message(printable(name));
+    }
+
     /// Sets how much is done.
     pub(crate) fn set(&self, position: u64) {
         self.bar.set_position(position);

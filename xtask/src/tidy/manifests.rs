@@ -16,7 +16,7 @@ const EDGES: &[(&str, &[&str])] = &[
         "tahko-tracer",
         &["tahko-bvh", "tahko-kdtree", "tahko-bsp", "tahko-geometry"],
     ),
-    ("tahko-cli", &["tahko-tracer"]),
+    ("tahko-cli", &["tahko-tracer", "tahko-bench"]),
     (
         "tahko-bench",
         &[
@@ -203,7 +203,7 @@ mod tests {
             ("tahko-geometry", &["glam", "tahko-geometry*"]),
             ("tahko-bsp", &["tahko-geometry", "tahko-geometry*"]),
             ("tahko-tracer", &["tahko-bsp", "tahko-geometry"]),
-            ("tahko-cli", &["tahko-tracer"]),
+            ("tahko-cli", &["tahko-tracer", "tahko-bench"]),
         ];
         assert!(messages(&packages).is_empty(), "{:?}", messages(&packages));
     }
