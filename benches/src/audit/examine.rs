@@ -1,5 +1,7 @@
 //! Asks a structure and compares.
 
+use std::ops::ControlFlow;
+
 use rayon::prelude::*;
 use tahko_tracer::geometry::{Hit, Ray, RayQuery};
 
@@ -156,7 +158,19 @@ fn bits(hit: Option<Hit>) -> Option<(u32, [u32; 3])> {
     hit.map(|Hit { t, u, v, primitive }| (primitive, [t, u, v].map(f32::to_bits)))
 }
 
-/// TEMPORARY until the trait has the methods.
-fn crossings_are_right(_query: &dyn RayQuery, _ray: &Ray, _expected: &[(u32, f32)]) -> bool {
-    true
+/// Whether all crossings come in their order, each with the exact `t`, and their number is right.
+fn crossings_are_right(query: &dyn RayQuery, ray: &Ray, expected: &[(u32, f32)]) -> bool {
+    let mut remaining = expected.iter();
+    let mut are_equal = true;
+    query.all_hits(ray, &mut |hit| {
+        are_equal &= remaining.next().is_some_and(|(triangle, t)| {
+            hit.primitive == *triangle && hit.t.to_bits() == t.to_bits()
+        });
+        if are_equal {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        }
+    });
+    are_equal && remaining.next().is_none() && query.crossings(ray) == expected.len()
 }

@@ -94,9 +94,7 @@ fn fast_errs_on_a_closed_mesh_and_all_structures_err_alike() {
                 let misses = [&run.all, fast].map(|errors| errors.count(Mistake::FalseMiss));
                 assert!(misses[0] < misses[1], "{name}: {misses:?}");
             }
-            _ => {
-                assert_eq!(run.example, None, "{name}");
-            }
+            _ => assert_eq!(run.example, None, "{name}"),
         }
     }
 }
@@ -213,6 +211,12 @@ fn every_kind_of_mistake_is_found() {
     let larger = TriangleMesh::new(larger, indices).unwrap();
     assert!(found(&larger, Mistake::FalseHit) > 20, "larger");
     assert!(found(&larger, Mistake::InexactT) > 200, "larger");
+    assert!(found(&larger, Mistake::Crossings) > 200, "larger");
+    assert!(found(&reversed, Mistake::Crossings) > 200, "other numbers");
+    assert!(
+        found(&half, Mistake::Crossings) > 50,
+        "half of the mesh is missing"
+    );
 }
 
 #[test]

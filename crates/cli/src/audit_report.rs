@@ -3,9 +3,9 @@
 use anyhow::Result;
 use comfy_table::{CellAlignment, Table, presets};
 use serde_json::{Map, Value, json};
-use tahko_bench::audit::{Errors, Mistake, RayKind, Report, Run};
+use tahko_bench::audit::{Errors, Example, Mistake, RayKind, Report, Run};
 use tahko_tracer::accelerator::StructureKind;
-use tahko_tracer::geometry::Precision;
+use tahko_tracer::geometry::{Precision, Ray};
 
 use crate::terminal::printable;
 
@@ -66,7 +66,7 @@ fn verdict(report: &Report) -> String {
 fn table(report: &Report) -> Table {
     let mut header = vec!["precision", "rays", "structures", "number"];
     header.extend(COLUMNS.map(Mistake::plural));
-    header.extend(["other", "t error: median", "99.9 %", "max ulp"]);
+    header.extend(["others", "t ulp: median", "99.9 %", "max"]);
     let text_columns = 3;
     let mut table = Table::new();
     table.load_style(presets::NOTHING).set_header(header);
@@ -118,9 +118,18 @@ fn row(precision: Precision, kind: KindIndex, structures: &[&str], errors: &Erro
     let others = OTHERS.map(|mistake| errors.count(mistake));
     cells.push(others.iter().sum::<usize>().to_string());
     cells.extend(errors.t_errors.map_or([const { String::new() }; 3], |t| {
-        [t.median, t.quantile_999, t.largest].map(|error| format!("{error:.3}"))
+        [t.median, t.quantile_999, t.largest].map(ulps)
     }));
     cells
+}
+
+/// Short for small errors and for enormous ones, which are those of a `t` that is exactly zero.
+fn ulps(error: f64) -> String {
+    if error < 1e4 {
+        format!("{error:.3}")
+    } else {
+        format!("{error:.1e}")
+    }
 }
 
 /// A number and, if it is not zero, what that is per million rays.
@@ -147,14 +156,44 @@ fn run_to_json(run: &Run) -> Value {
     let to_json = |errors: &Errors| errors_to_json(errors, run.has_crossings);
     let kinds = RayKind::ALL.iter().zip(&run.kinds);
     let kinds: Map<String, Value> = kinds
-        .map(|(kind, errors)| (kind.name().replace('-', "_"), to_json(errors)))
+        .map(|(kind, errors)| (key(kind.name()), to_json(errors)))
         .collect();
     json!({
         "structure": run.structure.name(),
         "precision": run.precision.name(),
         "all": to_json(&run.all),
         "kinds": kinds,
+        "example": run.example.as_ref().map(example_to_json),
     })
+}
+
+fn example_to_json(example: &Example) -> Value {
+    let hit =
+        |hit: Option<(u32, f32)>| hit.map(|(triangle, t)| json!({"triangle": triangle, "t": t}));
+    json!({
+        "ray": csv_line(&example.ray),
+        "kind": key(example.kind.name()),
+        "mistakes": example.mistakes.iter().map(|mistake| key(mistake.plural())).collect::<Vec<_>>(),
+        "exact": hit(example.exact),
+        "given": hit(example.given.map(|hit| (hit.primitive, hit.t))),
+    })
+}
+
+/// A ray as `tahko query` reads it, to the bit.
+pub(crate) fn csv_line(ray: &Ray) -> String {
+    let Ray {
+        origin: o,
+        direction: d,
+        t_min,
+        t_max,
+    } = ray;
+    let numbers = [o.x, o.y, o.z, d.x, d.y, d.z, *t_min, *t_max];
+    numbers.map(|number| number.to_string()).join(",")
+}
+
+/// A name as it is written in JSON.
+fn key(name: &str) -> String {
+    name.replace([' ', '-'], "_")
 }
 
 fn errors_to_json(errors: &Errors, has_crossings: bool) -> Value {
@@ -162,7 +201,7 @@ fn errors_to_json(errors: &Errors, has_crossings: bool) -> Value {
     value.insert("rays".to_owned(), errors.rays.into());
     value.insert("hits".to_owned(), errors.hits.into());
     for mistake in Mistake::ALL {
-        let key = mistake.plural().replace([' ', '-'], "_");
+        let key = key(mistake.plural());
         let is_known = has_crossings || mistake != Mistake::Crossings;
         let per_million = is_known.then(|| errors.per_million(mistake));
         value.insert(format!("{key}_per_million"), per_million.into());

@@ -98,7 +98,7 @@ impl RayReader {
 const BYTE_ORDER_MARK: &[u8] = "\u{feff}".as_bytes();
 
 /// The ray in a line, or what is wrong with it.
-fn parse_ray(line: &[u8]) -> Result<Ray, String> {
+pub(crate) fn parse_ray(line: &[u8]) -> Result<Ray, String> {
     let mut values = [0.0; COLUMNS.len()];
     let mut fields = line.split(|byte| *byte == b',');
     for (value, column) in values.iter_mut().zip(COLUMNS) {

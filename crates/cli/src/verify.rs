@@ -2,7 +2,6 @@
 
 use anyhow::{Result, anyhow, bail};
 use tahko_bench::audit::{self, AuditOptions, Example, Mistake, Report, Run, Stage};
-use tahko_tracer::geometry::Ray;
 use tahko_tracer::load::load_mesh;
 
 use crate::args::VerifyArguments;
@@ -66,7 +65,7 @@ fn check(report: &Report) -> Result<()> {
         run.rays,
         mistakes(run),
         answers(example, structure),
-        csv_line(&example.ray),
+        audit_report::csv_line(&example.ray),
     );
 }
 
@@ -96,14 +95,63 @@ fn answers(example: &Example, structure: &str) -> String {
     )
 }
 
-/// A ray as `tahko query` reads it, to the bit.
-fn csv_line(ray: &Ray) -> String {
-    let Ray {
-        origin: o,
-        direction: d,
-        t_min,
-        t_max,
-    } = ray;
-    let numbers = [o.x, o.y, o.z, d.x, d.y, d.z, *t_min, *t_max];
-    numbers.map(|number| number.to_string()).join(",")
+#[cfg(test)]
+mod tests {
+    use tahko_tracer::geometry::{Precision, Ray, TriangleMesh, glam::Vec3};
+
+    use super::*;
+
+    /// The audit of a bumpy sheet, on which the fast precision errs.
+    fn report() -> Report {
+        let vertex = |index: u32| {
+            let (x, y) = ((index % 20) as f32, (index / 20) as f32);
+            Vec3::new(x, y, (1.3 * x + y * y).sin()) / 3.0
+        };
+        let squares = (0..380u32).filter(|corner| corner % 20 < 19);
+        let triangles = squares.flat_map(|a| [[a, a + 1, a + 21], [a, a + 21, a + 20]]);
+        let mesh = TriangleMesh::new((0..400).map(vertex).collect(), triangles.collect()).unwrap();
+        let options = AuditOptions::default().with_rays(2000);
+        audit::audit(&mesh, &options, &|_| {}).unwrap()
+    }
+
+    #[test]
+    fn only_mistakes_of_the_exact_precision_are_an_error_and_a_ray_shows_them() {
+        let mut report = report();
+        check(&report).unwrap();
+        let of = |precision| move |run: &&mut Run| run.precision == precision;
+        for run in report.runs.iter_mut().filter(of(Precision::Exact)) {
+            run.precision = Precision::Watertight;
+        }
+        check(&report).unwrap();
+        for run in report.runs.iter_mut().filter(of(Precision::Fast)) {
+            run.precision = Precision::Exact;
+        }
+        let message = check(&report).unwrap_err().to_string();
+        let run = &report.runs[0];
+        let example = run.example.as_ref().unwrap();
+        assert!(
+            message.contains("(and 3 more of the structures) is wrong"),
+            "{message}"
+        );
+        let misses = format!("{} false misses", run.all.count(Mistake::FalseMiss));
+        assert!(message.contains(&misses), "{message}");
+        assert_eq!(message.lines().count(), 1, "{message}");
+        let (_, ray) = message.rsplit_once("the ray: ").unwrap();
+        assert_eq!(ray, audit_report::csv_line(&example.ray));
+        assert_eq!(crate::rays::parse_ray(ray.as_bytes()), Ok(example.ray));
+    }
+
+    #[test]
+    fn the_ray_is_written_to_the_bit() {
+        let ray = Ray::with_interval(
+            Vec3::new(-0.0, f32::MAX, f32::from_bits(1)),
+            Vec3::new(0.1, 1e-30, -3.0),
+            f32::NEG_INFINITY,
+            f32::INFINITY,
+        );
+        let line = audit_report::csv_line(&ray);
+        let read = crate::rays::parse_ray(line.as_bytes()).unwrap();
+        assert_eq!(read, ray);
+        assert!(read.origin.x.is_sign_negative(), "{line}");
+    }
 }

@@ -65,3 +65,24 @@ fn a_half_written_file_of_hits_is_removed() {
     assert_eq!(sandbox.files(), ["hits.csv", "mesh.ply"]);
     assert_eq!(sandbox.read("hits.csv"), b"old");
 }
+
+#[test]
+fn verifying_ends_at_once() {
+    let sandbox = Sandbox::new();
+    sandbox.write(
+        "a.obj",
+        "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
+    );
+    let mut child = sandbox
+        .command("verify a.obj --rays 10000000")
+        .stderr(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The note says that the mesh has been read.
+    let mut note = String::new();
+    let mut stderr = BufReader::new(child.stderr.take().unwrap());
+    stderr.read_line(&mut note).unwrap();
+    assert!(note.contains("none.mtl"), "{note}");
+    assert_eq!(interrupt(child), Some(130));
+}
