@@ -57,7 +57,7 @@ pub enum Split {
     Front(Polygon),
     /// The whole polygon is behind the plane; it may touch it.
     Back(Polygon),
-    /// The polygon lies in the plane.
+    /// The polygon lies in the plane, as far as rounding can tell.
     Coplanar(Polygon),
     /// The polygon is on both sides.
     Spanning {
@@ -170,6 +170,9 @@ impl Polygon {
     /// Vertices on the plane, as far as rounding can tell ([`Plane::side_of`]), go to both parts. A new vertex
     /// is computed from the front end of its edge to the back end, so two polygons that share the edge get the same
     /// vertex. Area, plane and winding are kept up to the rounding of the new vertices.
+    ///
+    /// The outline of a convex polygon on both sides of a plane meets it in two points. Where there seem to be more, the polygon lies
+    /// in the plane but for the roundings of its vertices, and counts as coplanar: cut there, its parts would overlap.
     #[must_use]
     pub fn split(self, plane: &Plane) -> Split {
         match self.side_of(plane) {
@@ -181,19 +184,27 @@ impl Polygon {
     }
 
     fn cut(self, plane: &Plane) -> Split {
+        let sides: Vec<Side> = self
+            .vertices
+            .iter()
+            .map(|vertex| plane.side_of(*vertex))
+            .collect();
+        if meeting_points(&sides) > 2 {
+            return Split::Coplanar(self);
+        }
         let capacity = self.vertices.len() + 1;
         let mut front = Vec::with_capacity(capacity);
         let mut back = Vec::with_capacity(capacity);
         for (index, &start) in self.vertices.iter().enumerate() {
-            let end = self.vertices[(index + 1) % self.vertices.len()];
-            let sides = (plane.side_of(start), plane.side_of(end));
-            if sides.0 != Side::Back {
+            let next = (index + 1) % self.vertices.len();
+            let end = self.vertices[next];
+            if sides[index] != Side::Back {
                 front.push(start);
             }
-            if sides.0 != Side::Front {
+            if sides[index] != Side::Front {
                 back.push(start);
             }
-            let crossing = match sides {
+            let crossing = match (sides[index], sides[next]) {
                 (Side::Front, Side::Back) => crossing_point(plane, start, end),
                 (Side::Back, Side::Front) => crossing_point(plane, end, start),
                 _ => continue,
@@ -247,6 +258,15 @@ impl Polygon {
         }
         Ok(())
     }
+}
+
+/// How many vertices of a closed outline are in the plane, and how many edges cross it, given the sides of the vertices.
+fn meeting_points(sides: &[Side]) -> usize {
+    let followers = sides.iter().cycle().skip(1);
+    let meets = |(side, next): &(&Side, &Side)| {
+        **side == Side::Coplanar || (**next != Side::Coplanar && side != next)
+    };
+    sides.iter().zip(followers).filter(meets).count()
 }
 
 fn crossing_point(plane: &Plane, front: DVec3, back: DVec3) -> DVec3 {

@@ -113,6 +113,30 @@ fn coordinates(size: f64) -> impl Strategy<Value = DVec3> {
     (-size..size, -size..size, -size..size).prop_map(DVec3::from)
 }
 
+#[test]
+fn a_polygon_whose_outline_seems_to_meet_a_plane_three_times_is_coplanar() {
+    // Found by cutting a square in this plane by planes through a line: the distances are roundings, with the signs back, on, on, front and back.
+    // Cut there, the parts overlapped, and together had more area than the whole.
+    let sliced = Polygon::new(
+        vec![
+            DVec3::new(4.996_003_610_813_204e-15, -1.0, 0.200_000_000_000_001_4),
+            DVec3::new(1.0, -1.0, 0.5),
+            DVec3::new(1.0, 1.0, 0.099_999_999_999_999_98),
+            DVec3::new(0.019_417_475_728_155_33, 1.0, -0.194_174_757_281_553_53),
+            DVec3::new(
+                4.996_003_610_813_204e-15,
+                2.566_835_632_933_362e-13,
+                -4.996_003_610_813_204e-14,
+            ),
+        ],
+        3,
+    )
+    .unwrap();
+    let plane = Plane::from_point_normal(DVec3::ZERO, DVec3::new(-0.3, 0.2 + 1e-15, 1.0)).unwrap();
+    assert_eq!(sliced.side_of(&plane), Side::Spanning);
+    assert_eq!(sliced.clone().split(&plane), Split::Coplanar(sliced));
+}
+
 proptest! {
     #[test]
     fn splitting_keeps_area_plane_winding_and_id(
