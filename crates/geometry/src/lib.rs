@@ -44,7 +44,8 @@
 //!
 //! # Features
 //! - `oracle`: exact answers by brute force in rational numbers, to hold structures against.
-//! - `test-support` (with `oracle`): random and degenerate meshes and rays, and the comparison with brute force, for the tests of structures.
+//! - `test-support` (with `oracle`): random, degenerate and numerically hard meshes and rays, and the comparison with brute force and the
+//!   oracle, for the tests of structures.
 
 mod aabb;
 mod axis;

@@ -1,4 +1,6 @@
-//! Random and degenerate input for the tests of structures, and the comparison with brute force.
+//! Random, degenerate and numerically hard input for the tests of structures, and the comparison with brute force and the oracle.
+
+pub mod hard_cases;
 
 use std::fmt::Debug;
 
