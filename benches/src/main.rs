@@ -8,6 +8,7 @@
     reason = "a command line program"
 )]
 
+mod exactness;
 mod growth;
 mod oracle;
 mod rays;
@@ -27,6 +28,7 @@ use clap::Parser;
     after_help = "Examples:\n  \
     cargo xtask bench                          all scenes of scenes/\n  \
     cargo xtask bench --scene my.glb           a file of your own\n  \
+    cargo xtask bench --exactness              what the exact precision costs\n  \
     cargo xtask bench --growth > growth.md     build time and memory for n = 1e3 to 1e6"
 )]
 struct Arguments {
@@ -36,6 +38,9 @@ struct Arguments {
     /// Few rays and short rounds, to see that everything works: the figures mean little.
     #[arg(long)]
     quick: bool,
+    /// Measure what exactness costs: time relative to the fast precision, errors, and which arithmetic decided.
+    #[arg(long, conflicts_with = "growth")]
+    exactness: bool,
     /// Measure how build time and memory grow with the number of triangles, instead of tracing scenes.
     #[arg(long)]
     growth: bool,
@@ -78,6 +83,14 @@ fn run(arguments: &Arguments) -> Result<()> {
     } else {
         arguments.scenes.clone()
     };
+    if arguments.exactness {
+        let effort = if arguments.quick {
+            exactness::Effort::QUICK
+        } else {
+            exactness::Effort::FULL
+        };
+        return exactness::print(&files, &effort);
+    }
     for file in files {
         scenes::measure(&file, &effort)?;
     }

@@ -67,10 +67,10 @@ pub(crate) fn shipped() -> Result<Vec<PathBuf>> {
 }
 
 /// A structure at a precision.
-struct Contender {
-    kind: StructureKind,
-    precision: Precision,
-    accelerator: Accelerator,
+pub(crate) struct Contender {
+    pub(crate) kind: StructureKind,
+    pub(crate) precision: Precision,
+    pub(crate) accelerator: Accelerator,
 }
 
 /// Builds all structures over a scene, traces all classes of rays and prints two tables.
@@ -132,14 +132,14 @@ pub(crate) fn measure(file: &Path, effort: &Effort) -> Result<()> {
 }
 
 /// Structures give the same answers at the same precision, so their errors are the same.
-fn check_agreement(contenders: &[Contender], errors: &[Errors]) -> Result<()> {
+pub(crate) fn check_agreement(contenders: &[Contender], errors: &[Errors]) -> Result<()> {
     for (contender, errors_here) in contenders.iter().zip(errors) {
         let same_precision = |other: &&Contender| other.precision == contender.precision;
         let first = contenders.iter().position(|other| same_precision(&other));
         if first.is_some_and(|first| errors[first] != *errors_here) {
             let (structure, precision) = (contender.kind.name(), contender.precision.name());
             bail!(
-                "{structure} at {precision} does not answer as brute force does: {errors_here:?}"
+                "{structure} at {precision} does not answer as the first structure does: {errors_here:?}"
             );
         }
     }

@@ -47,6 +47,10 @@ pub(crate) const STEPS: &[Step] = &[
     Step::new("golden", "cargo xtask golden"),
     Step::new("bench", "cargo run --release -p tahko-bench -- --quick"),
     Step::new(
+        "exactness",
+        "cargo run --release -p tahko-bench -- --exactness --quick",
+    ),
+    Step::new(
         "growth",
         "cargo run --release -p tahko-bench -- --growth --quick",
     ),
@@ -180,7 +184,7 @@ mod tests {
     fn from_leaves_out_the_steps_before_and_only_all_others() {
         assert_eq!(
             names_of(Some("golden"), None),
-            ["golden", "bench", "growth"]
+            ["golden", "bench", "exactness", "growth"]
         );
         assert_eq!(names_of(None, Some("tidy")), ["tidy"]);
     }

@@ -25,7 +25,18 @@
 //! **Rays along the plane.** For `s_d = 0` the bounds are infinities of the right sign where the origin is beyond `E`, and
 //! enclose everything where it is nearer: the ray visits one side, or both. Zero over zero is NaN, which the
 //! traversal's `min` and `max` ignore: it does not cull. An infinite reach (extreme coordinates) gives
-//! infinite bounds.
+//! infinite bounds. The sign of a zero speed only says which of the two sides is called near.
+//!
+//! **Rays nearly along the plane.** A small `s_d` makes the interval long: its quotient by `s_d` is as uncertain as it looks, and the
+//! ray visits both sides where it may be on either.
+//!
+//! **Wedges.** Planes that meet at a small angle are crossed at places that rounding may exchange. No order is assumed: the
+//! interval of a node is the intersection of intervals that each contain every `t` accepted on that side, so it contains them too. If it is
+//! empty, nothing is accepted there. A sliver of a cell whose exact interval has no length still has one of the widenings.
+//!
+//! **Origins on a plane** have `s_o` within `E` of zero, and both bounds enclose `t = 0`. **Far origins** enter `E` by `|O|`: the bound
+//! is relative to the larger of the origin's and the scene's coordinates, in f64. **Denormals** are numbers like others in
+//! f64: the smallest product of two f32 numbers is `2^-298`.
 
 use tahko_geometry::{Aabb, ConservativeRay, Plane, Ray, glam::DVec3};
 

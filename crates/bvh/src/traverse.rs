@@ -1,8 +1,11 @@
 //! The traversal, nearer child first.
 //!
-//! A node is culled by [`ConservativeRay::clip`] only, which is wide enough for every hit that a kernel accepts,
-//! and skipped later only if it begins beyond the best hit: at the same `t` it may still hold a triangle with
-//! a smaller number. So the answer is that of testing every triangle.
+//! **Why no hit is lost.** A node's box is the union of its triangles' boxes, which are exact: minima and maxima of f32 coordinates. A node is
+//! culled by [`ConservativeRay::clip`] only, whose interval contains the `t`, rounded, of every hit that a kernel accepts in the box, whatever
+//! the signs of zeros, the place of the origin and the sizes of numbers (its module has the bounds). Boxes without thickness, and rays
+//! in their faces, have an interval of their own as others do. A node is skipped later only if it begins beyond the best hit, rounded: at the
+//! same rounded `t` it may still hold a triangle that is nearer before rounding, or one with a smaller number. So the
+//! answer is that of testing every triangle.
 
 use tahko_geometry::{
     ConservativeRay, HitCollector, Interval, Precision, Ray, TraversalCounter, Traverse,

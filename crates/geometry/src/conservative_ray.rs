@@ -16,6 +16,9 @@
 //! ends, which also covers the roundings of the widening. What underflow takes, less than `2^-145`, is covered by
 //! `2^-140`.
 //!
+//! So an origin in a plane gives exactly `t = 0` for it, a far origin a `t` that is right to the same number of digits as a near
+//! one, and a denormal coordinate a difference without any error.
+//!
 //! **Directions along a plane.** Components below `2^-64` of the largest, among them zero and -0.0, are replaced by that size with their
 //! sign. Where the ray is inside the bounds, `|t| <= M / |D|` in the norm of the largest component, so this moves it by at most `2^-64 M`. The
 //! origins of such an axis are shifted by `2^-60 M` more, at least to the neighbouring f32. Divided by the replaced component that

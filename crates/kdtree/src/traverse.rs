@@ -1,15 +1,25 @@
 //! Traversal: from the near cells to the far ones.
 //!
 //! A ray is cut into intervals by the splitting planes. At a plane, [`ConservativeRay::crossing`] gives the interval in
-//! which the ray is within its margin of the plane: what a kernel may accept in the near child has a `t` not above
+//! which the ray is within reach of the plane: what a kernel may accept in the near child has a `t` not above
 //! its end, and in the far child not below its start. So the near child gets `[start, min(end, crossing.end)]`
 //! and the far one `[max(start, crossing.start), end]`, which overlap, and a child is left out only if its
-//! interval is empty. Near is the side that the direction comes from, whatever the origin: for an origin on the plane or a ray in
-//! it the crossing covers the interval in question, and both children are visited.
+//! interval is empty: then no accepted `t` is in it. Near is the side that the direction comes from, whatever the origin.
+//!
+//! **Why no hit is lost.** A hit lies in a point `P` of the triangle. Clipping rounds outward (see `build/clip.rs`), so each
+//! cell into which the triangle reaches near `P` lists it; where it only touches a splitting plane, one side at least. These cells are
+//! reached, because every interval on the way down contains the `t` of `P`, rounded:
+//! - *Roundings* of the place of a plane are relative to its distance from the origin, and the crossing is widened by more.
+//! - *An origin on the plane* gives a crossing around 0, which belongs to both children.
+//! - *A ray in the plane*, with a direction component of 0 or -0.0, is within reach of it for every `t`: both children get the whole
+//!   interval. Just beside the plane the crossing lies far outside the bounds, on the side that the sign of the zero says,
+//!   and near and far are chosen by the same sign: the side on which the ray is gets it all.
+//! - *A triangle in the plane* that is listed on one side only is found there: its `t` is in the crossing.
+//! - *Far origins and denormals*: [`ConservativeRay`] has the bounds of all roundings, and culls nothing where it has none.
 //!
 //! A triangle may be listed in many cells, and a hit found in one cell may lie in another: it is kept, and the
-//! search goes on until the next cell begins behind it. A cell that begins exactly at the best `t` is
-//! visited, because a smaller index wins a tie.
+//! search goes on until the next cell begins behind it. A cell that begins exactly at the best `t`, rounded, is
+//! visited: it may hold a triangle that is nearer before rounding, or one with a smaller index.
 
 use tahko_geometry::{
     Axis, ConservativeRay, HitCollector, Interval, Precision, Ray, TraversalCounter, Traverse,

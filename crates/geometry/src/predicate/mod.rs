@@ -1,7 +1,7 @@
 //! Exact decisions about rays, triangles and points with f32 coordinates.
 //!
-//! Each predicate is a ladder: f64 arithmetic with a proven error bound decides nearly always; where it cannot, [expansion
-//! arithmetic](expansion) gives the exact sign. Nothing here overflows or underflows, for any finite f32 coordinates, from denormals to the
+//! Each predicate is a ladder: f64 arithmetic with a proven error bound decides nearly always; where it cannot, expansion
+//! arithmetic (Shewchuk 1997) gives the exact sign. Nothing here overflows or underflows, for any finite f32 coordinates, from denormals to the
 //! largest ones. The ladder of ray/triangle tests has one more rung below these, in f32: see [`Exact`](crate::Exact).
 //!
 //! **The bound of the f64 rung.** Each value is a sum of products of differences of f32 numbers. A difference is rounded once,
