@@ -200,3 +200,65 @@ fn a_reader_that_leaves_early_is_no_error() {
     assert_eq!(output.status.code(), Some(0));
     assert_eq!(String::from_utf8(output.stderr).unwrap(), "");
 }
+
+/// A triangle of denormal size over one that is as large as numbers go.
+const EXTREMES: &str = "\
+v 0 0 0
+v 1e-44 0 0
+v 0 1e-44 0
+v -3e38 -3e38 -5
+v 3e38 -3e38 -5
+v 0 3e38 -5
+f 1 2 3
+f 4 5 6
+";
+
+#[test]
+fn answers_are_exact_from_denormals_to_the_largest_numbers() {
+    // 1e-44 is seven steps of f32, 1.4e-45 is one.
+    let rays = format!(
+        "{HEADER}\
+        2.8e-45,2.8e-45,1,0,0,-1,0,inf\n\
+        9.8e-45,0,1,0,0,-1,0,inf\n\
+        9.8e-45,1.4e-45,1,0,0,-1,0,inf\n\
+        0,0,3e38,0,0,-1e38,0,inf\n\
+        2.8e-45,2.8e-45,1,0,0,-1.4e-45,0,inf\n\
+        2.8e-45,2.8e-45,1.4e-45,0,0,-1,0,inf\n\
+        1,1,-5.0000005,0,0,1,0,inf\n\
+        1.5e38,0,3e38,0,0,-3e38,0,inf\n\
+        1.5e38,0.01,3e38,0,0,-3e38,0,inf\n"
+    );
+    let sandbox = Sandbox::new();
+    sandbox.write("mesh.obj", EXTREMES);
+    sandbox.write("rays.csv", &rays);
+    for structure in ["brute", "bsp", "kdtree", "bvh"] {
+        let line = format!("query mesh.obj --rays rays.csv --out - --accel {structure}");
+        let hits = sandbox.run(&line).succeeds().stdout;
+        let found: Vec<String> = hits
+            .lines()
+            .skip(1)
+            .map(|line| {
+                line.split(',')
+                    .skip(1)
+                    .take(3)
+                    .collect::<Vec<_>>()
+                    .join(" ")
+            })
+            .collect();
+        let expected = [
+            "1 1 0",
+            "1 1 0",
+            // One step beyond its edge.
+            "1 6 1",
+            "1 3 0",
+            // 2^149 is beyond the largest number.
+            "1 340282350000000000000000000000000000000 0",
+            "1 0.000000000000000000000000000000000000000000001 0",
+            "1 0.00000047683716 1",
+            // On the edge of the large triangle, and beside it.
+            "1 1 1",
+            "0  ",
+        ];
+        assert_eq!(found, expected, "{structure}");
+    }
+}
