@@ -149,6 +149,7 @@ fn counts_tell_what_a_traversal_did() {
             f64: 1,
             exact: 0,
         },
+        orders: RungCounts::default(),
     };
     assert_eq!(counts, expected);
 }

@@ -34,7 +34,7 @@ use std::cmp::Ordering;
 use glam::{DVec3, Vec3};
 
 use crate::predicate::{
-    EdgeRule, F64_ERROR, Rung, Sign, compare_hits, edge_sign, intersect_exactly, quotient,
+    EdgeRule, F64_ERROR, Rung, Sign, compare_hits_by_rung, edge_sign, intersect_exactly, quotient,
 };
 use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
@@ -89,12 +89,19 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     }
 
     #[cold]
-    fn order_of_equal_t(&self, first: &Triangle, second: &Triangle) -> Ordering {
+    fn order_of_equal_t<C: TraversalCounter>(
+        &self,
+        first: &Triangle,
+        second: &Triangle,
+        counter: &mut C,
+    ) -> Ordering {
         if have_same_vertices(first, second) {
             return Ordering::Equal;
         }
+        let (order, rung) = compare_hits_by_rung(&self.ray, first, second);
+        counter.order(rung);
         // Both were hit, so neither is parallel to the ray.
-        compare_hits(&self.ray, first, second).unwrap_or(Ordering::Equal)
+        order.unwrap_or(Ordering::Equal)
     }
 }
 
@@ -174,6 +181,15 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         ) else {
             return self.intersect_exactly(triangle, t_max, counter);
         };
+        let [low, high] = [t - error, t + error].map(rounded);
+        if low > t_max || high < self.ray.t_min {
+            counter.decision(Rung::F64);
+            return None;
+        }
+        let is_certain = low == high && low != self.ray.t_min && low != self.ray.t_max;
+        if !is_certain {
+            return self.intersect_exactly(triangle, t_max, counter);
+        }
         let certain = [0, 1, 2].map(|index| positive[index] || negative[index]);
         let mut rung = Rung::F64;
         if certain != [true; 3] {
@@ -182,15 +198,6 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
                 counter.decision(rung);
                 return None;
             }
-        }
-        let [low, high] = [t - error, t + error].map(rounded);
-        if low > t_max || high < self.ray.t_min {
-            counter.decision(rung);
-            return None;
-        }
-        let is_certain = low == high && low != self.ray.t_min && low != self.ray.t_max;
-        if !is_certain {
-            return self.intersect_exactly(triangle, t_max, counter);
         }
         counter.decision(rung);
         Some(TriangleHit::new(

@@ -111,7 +111,12 @@ pub trait TriangleKernel: Copy {
     ) -> Option<TriangleHit>;
 
     /// The order along the ray of two triangles that were hit at the same rounded `t`; equal where the kernel knows no more.
-    fn order_of_equal_t(&self, _first: &Triangle, _second: &Triangle) -> Ordering {
+    fn order_of_equal_t<C: TraversalCounter>(
+        &self,
+        _first: &Triangle,
+        _second: &Triangle,
+        _counter: &mut C,
+    ) -> Ordering {
         Ordering::Equal
     }
 }

@@ -23,7 +23,9 @@ use std::cmp::Ordering;
 use glam::{DVec3, Vec3};
 
 pub(crate) use expansion::Expansion;
-pub(crate) use ray_triangle::{EdgeRule, edge_sign, intersect_exactly, quotient};
+pub(crate) use ray_triangle::{
+    EdgeRule, compare_hits_by_rung, edge_sign, intersect_exactly, quotient,
+};
 
 use crate::{Ray, Triangle};
 
@@ -144,7 +146,7 @@ pub fn compare_t(ray: &Ray, triangle: &Triangle, t: f32) -> Option<Ordering> {
 /// `None` if the line is parallel to one of them or one has no area. Coordinates must be finite.
 #[must_use]
 pub fn compare_hits(ray: &Ray, first: &Triangle, second: &Triangle) -> Option<Ordering> {
-    ray_triangle::compare_hits(ray, first, second)
+    compare_hits_by_rung(ray, first, second).0
 }
 
 /// Whether the vertices of a triangle lie on a line.

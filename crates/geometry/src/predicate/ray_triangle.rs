@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use glam::Vec3;
 
-use super::{Expansion, F64_ERROR, Sign};
+use super::{Expansion, F64_ERROR, Rung, Sign};
 use crate::{Ray, Triangle, TriangleHit};
 
 /// Who owns the edges of a triangle.
@@ -276,13 +276,21 @@ pub(super) fn compare_t(ray: &Ray, triangle: &Triangle, t: f32) -> Option<Orderi
     ExactHit::of_plane(ray, triangle).map(|hit| hit.compare_t(t))
 }
 
-pub(super) fn compare_hits(ray: &Ray, first: &Triangle, second: &Triangle) -> Option<Ordering> {
+/// [`compare_hits`](super::compare_hits), and the rung that decided.
+pub(crate) fn compare_hits_by_rung(
+    ray: &Ray,
+    first: &Triangle,
+    second: &Triangle,
+) -> (Option<Ordering>, Rung) {
     if let (Some((first, first_error)), Some((second, second_error))) =
         (approximate_t(ray, first), approximate_t(ray, second))
         && let Some(sign) = Sign::certain(first - second, 2.0 * (first_error + second_error))
     {
-        return Some(sign.compared_with_zero());
+        return (Some(sign.compared_with_zero()), Rung::F64);
     }
     let [first, second] = [first, second].map(|triangle| ExactHit::of_plane(ray, triangle));
-    Some(first?.compare(&second?))
+    let order = first
+        .zip(second)
+        .map(|(first, second)| first.compare(&second));
+    (order, Rung::Exact)
 }

@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
-use super::Hit;
+use super::{Hit, TraversalCounter};
 use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
 
 /// A triangle that a kernel accepted.
@@ -36,10 +36,11 @@ pub trait HitCollector {
 
     /// Takes a hit with `t` not above [`t_max`](Self::t_max); the same triangle may come more than once. `Break` ends the
     /// traversal.
-    fn collect<K: TriangleKernel>(
+    fn collect<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         kernel: &K,
         candidate: &Candidate<'_>,
+        counter: &mut C,
     ) -> ControlFlow<()>;
 }
 
@@ -85,10 +86,11 @@ impl HitCollector for ClosestHit {
     }
 
     #[inline]
-    fn collect<K: TriangleKernel>(
+    fn collect<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         kernel: &K,
         candidate: &Candidate<'_>,
+        counter: &mut C,
     ) -> ControlFlow<()> {
         if self.ignored == Some(candidate.primitive) {
             return ControlFlow::Continue(());
@@ -98,6 +100,7 @@ impl HitCollector for ClosestHit {
                 kernel,
                 (&candidate.hit(), candidate.triangle),
                 (&best, &triangle),
+                counter,
             )
             .is_lt()
         });
@@ -111,10 +114,11 @@ impl HitCollector for ClosestHit {
 
 /// The order of hits along a ray: by `t`, then by primitive.
 #[inline]
-fn compare<K: TriangleKernel>(
+fn compare<K: TriangleKernel, C: TraversalCounter>(
     kernel: &K,
     first: (&Hit, &Triangle),
     second: (&Hit, &Triangle),
+    counter: &mut C,
 ) -> Ordering {
     if first.0.t < second.0.t {
         return Ordering::Less;
@@ -125,7 +129,7 @@ fn compare<K: TriangleKernel>(
     if first.0.primitive == second.0.primitive {
         return Ordering::Equal;
     }
-    let by_t = kernel.order_of_equal_t(first.1, second.1);
+    let by_t = kernel.order_of_equal_t(first.1, second.1, counter);
     by_t.then_with(|| first.0.primitive.cmp(&second.0.primitive))
 }
 
@@ -171,10 +175,11 @@ impl HitCollector for AnyHit {
     }
 
     #[inline]
-    fn collect<K: TriangleKernel>(
+    fn collect<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         _kernel: &K,
         candidate: &Candidate<'_>,
+        _counter: &mut C,
     ) -> ControlFlow<()> {
         if self.ignored == Some(candidate.primitive) {
             return ControlFlow::Continue(());
@@ -205,7 +210,12 @@ impl AllHits {
     pub fn into_sorted<K: TriangleKernel>(mut self, kernel: &K) -> impl Iterator<Item = Hit> {
         self.hits
             .sort_unstable_by(|(first, first_triangle), (second, second_triangle)| {
-                compare(kernel, (first, first_triangle), (second, second_triangle))
+                compare(
+                    kernel,
+                    (first, first_triangle),
+                    (second, second_triangle),
+                    &mut (),
+                )
             });
         self.hits.dedup_by_key(|(hit, _)| hit.primitive);
         self.hits.into_iter().map(|(hit, _)| hit)
@@ -227,10 +237,11 @@ impl HitCollector for AllHits {
     }
 
     #[inline]
-    fn collect<K: TriangleKernel>(
+    fn collect<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         _kernel: &K,
         candidate: &Candidate<'_>,
+        _counter: &mut C,
     ) -> ControlFlow<()> {
         self.hits.push((candidate.hit(), *candidate.triangle));
         ControlFlow::Continue(())

@@ -13,17 +13,30 @@ pub struct QueryCounts {
     pub triangle_tests: u64,
     /// Triangle tests at [`Precision::Exact`](crate::Precision::Exact) by the rung that settled them.
     pub rungs: RungCounts,
+    /// Comparisons of hits whose rounded `t` are equal, at [`Precision::Exact`](crate::Precision::Exact), by the rung that settled
+    /// them; without those of triangles that have the same vertices.
+    pub orders: RungCounts,
 }
 
-/// How many triangle tests each rung of the ladder of [`Exact`](crate::kernel::Exact) settled.
+/// How many decisions each rung of the ladder of [`Exact`](crate::kernel::Exact) made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct RungCounts {
-    /// Certain misses in f32.
+    /// Those that f32 made certain.
     pub f32: u64,
-    /// Hits and misses that f64 made certain.
+    /// Those that f64 made certain.
     pub f64: u64,
-    /// Hits and misses that took expansion arithmetic.
+    /// Those that took expansion arithmetic.
     pub exact: u64,
+}
+
+impl RungCounts {
+    fn count(&mut self, rung: Rung) {
+        *match rung {
+            Rung::F32 => &mut self.f32,
+            Rung::F64 => &mut self.f64,
+            Rung::Exact => &mut self.exact,
+        } += 1;
+    }
 }
 
 impl std::ops::AddAssign for RungCounts {
@@ -40,6 +53,7 @@ impl std::ops::AddAssign for QueryCounts {
         self.bound_tests += other.bound_tests;
         self.triangle_tests += other.triangle_tests;
         self.rungs += other.rungs;
+        self.orders += other.orders;
     }
 }
 
@@ -53,6 +67,8 @@ pub trait TraversalCounter {
     fn triangle_test(&mut self);
     /// A triangle test was settled on a rung of the ladder.
     fn decision(&mut self, rung: Rung);
+    /// The order of two hits with equal rounded `t` was settled on a rung of the ladder.
+    fn order(&mut self, rung: Rung);
 }
 
 impl TraversalCounter for () {
@@ -64,6 +80,8 @@ impl TraversalCounter for () {
     fn triangle_test(&mut self) {}
     #[inline]
     fn decision(&mut self, _rung: Rung) {}
+    #[inline]
+    fn order(&mut self, _rung: Rung) {}
 }
 
 impl TraversalCounter for QueryCounts {
@@ -81,11 +99,10 @@ impl TraversalCounter for QueryCounts {
     }
     #[inline]
     fn decision(&mut self, rung: Rung) {
-        let count = match rung {
-            Rung::F32 => &mut self.rungs.f32,
-            Rung::F64 => &mut self.rungs.f64,
-            Rung::Exact => &mut self.rungs.exact,
-        };
-        *count += 1;
+        self.rungs.count(rung);
+    }
+    #[inline]
+    fn order(&mut self, rung: Rung) {
+        self.orders.count(rung);
     }
 }

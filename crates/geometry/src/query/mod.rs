@@ -213,7 +213,7 @@ pub fn test_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
                 triangle,
                 hit,
             };
-            collector.collect(kernel, &candidate)
+            collector.collect(kernel, &candidate, counter)
         }
         None => ControlFlow::Continue(()),
     }
