@@ -196,3 +196,74 @@ fn split(value: f64) -> (f64, f64) {
     let high = scaled - (scaled - value);
     (high, value - high)
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::oracle::RBig;
+
+    fn exact(value: f64) -> RBig {
+        RBig::try_from(value).expect("finite")
+    }
+
+    fn value_of(expansion: &Expansion) -> RBig {
+        let components = expansion.components.iter();
+        components.fold(RBig::ZERO, |sum, component| sum + exact(*component))
+    }
+
+    /// The invariants of the module's documentation.
+    fn assert_well_formed(expansion: &Expansion) {
+        for pair in expansion.components.windows(2) {
+            assert!(
+                pair[0] != 0.0 && pair[0].abs() < pair[1].abs(),
+                "{expansion:?}"
+            );
+            let unit = 2f64.powi(pair[1].to_bits().trailing_zeros().min(52).cast_signed() - 52);
+            let exponent = f64::from_bits(pair[1].to_bits() & (0x7ff << 52)).abs();
+            assert!(pair[0].abs() <= unit * exponent, "{expansion:?}");
+        }
+    }
+
+    fn any_f32() -> impl Strategy<Value = f32> {
+        let anything = any::<u32>()
+            .prop_map(f32::from_bits)
+            .prop_filter("finite", |value| value.is_finite());
+        prop_oneof![anything, -4.0f32..4.0, (-3i8..=3).prop_map(f32::from)]
+    }
+
+    proptest! {
+        #[test]
+        fn sums_and_products_of_differences_are_exact(pairs in prop::collection::vec((any_f32(), any_f32()), 6)) {
+            let parts: Vec<(Expansion, RBig)> = pairs
+                .iter()
+                .map(|(a, b)| {
+                    let expected = exact(f64::from(*a)) - exact(f64::from(*b));
+                    (Expansion::difference(*a, *b), expected)
+                })
+                .collect();
+            // As many factors as in the order of two hits, and sums and differences on the way.
+            let [mut product, mut other] = [0, 3].map(|index| parts[index].clone());
+            for index in [1, 2] {
+                product = (product.0.times(&parts[index].0), product.1 * &parts[index].1);
+                other = (other.0.times(&parts[index + 3].0), other.1 * &parts[index + 3].1);
+            }
+            let product_of_all = (product.0.times(&other.0), &product.1 * &other.1);
+            let cancelled = (
+                product_of_all.0.minus(&other.0.times(&product.0)),
+                RBig::ZERO,
+            );
+            let sum = (product.0.plus(&other.0), &product.1 + &other.1);
+            let scaled = (sum.0.scaled(f64::from(pairs[0].0)), &sum.1 * exact(f64::from(pairs[0].0)));
+            for (expansion, expected) in [product, other, product_of_all, cancelled, sum, scaled] {
+                assert_well_formed(&expansion);
+                prop_assert_eq!(value_of(&expansion), expected.clone());
+                prop_assert_eq!(expansion.sign() == Sign::Zero, expected == RBig::ZERO);
+                let error = exact(expansion.approximation()) - &expected;
+                let limit = &expected * exact(2f64.powi(-50));
+                prop_assert!(error.clone() * &error <= limit.clone() * &limit);
+            }
+        }
+    }
+}
