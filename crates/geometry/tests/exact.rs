@@ -86,8 +86,23 @@ fn ray_at(triangles: &[Triangle]) -> BoxedStrategy<Ray> {
         .boxed()
 }
 
+/// Separate triangles, or triangles that share edges and vertices.
+fn triangles() -> impl Strategy<Value = Vec<Triangle>> {
+    let connected = (
+        prop::array::uniform5(any_point()),
+        prop::collection::vec(prop::array::uniform3(0usize..5), 1..6),
+    )
+        .prop_map(|(points, indices)| {
+            let corners = indices
+                .iter()
+                .map(|indices| indices.map(|index| points[index]));
+            corners.map(|[a, b, c]| Triangle::new(a, b, c)).collect()
+        });
+    prop_oneof![prop::collection::vec(triangle(), 1..6), connected]
+}
+
 fn triangles_and_ray() -> impl Strategy<Value = (Vec<Triangle>, Ray)> {
-    prop::collection::vec(triangle(), 1..6).prop_flat_map(|triangles| {
+    triangles().prop_flat_map(|triangles| {
         let ray = ray_at(&triangles);
         (Just(triangles), ray)
     })

@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 
 use glam::Vec3;
 
-use super::{Expansion, F64_ERROR, Rung, Sign};
+use super::{Expansion, F64_ERROR, Rung, Sign, direction_side};
 use crate::{Ray, Triangle, TriangleHit};
 
 /// Who owns the edges of a triangle.
@@ -288,9 +288,30 @@ pub(crate) fn compare_hits_by_rung(
     {
         return (Some(sign.compared_with_zero()), Rung::F64);
     }
-    let [first, second] = [first, second].map(|triangle| ExactHit::of_plane(ray, triangle));
-    let order = first
-        .zip(second)
-        .map(|(first, second)| first.compare(&second));
+    let order = if meet_where_the_ray_does(ray, first, second) {
+        let is_parallel = |triangle| direction_side(ray.direction, triangle) == Sign::Zero;
+        (!is_parallel(first) && !is_parallel(second)).then_some(Ordering::Equal)
+    } else {
+        let [first, second] = [first, second].map(|triangle| ExactHit::of_plane(ray, triangle));
+        first
+            .zip(second)
+            .map(|(first, second)| first.compare(&second))
+    };
     (order, Rung::Exact)
+}
+
+/// Whether a ray's line passes through a point of an edge or vertex that two triangles have in common: the usual reason for two
+/// hits at the same `t`, and much cheaper to see than to compare products of six factors.
+fn meet_where_the_ray_does(ray: &Ray, first: &Triangle, second: &Triangle) -> bool {
+    let of_second = second.vertices();
+    let of_first = first.vertices().into_iter();
+    let mut common = of_first.filter(|vertex| of_second.contains(vertex));
+    match (common.next(), common.next()) {
+        (None, _) => false,
+        (Some(vertex), None) => {
+            let moment = cross_vector(ray.direction, &difference(vertex, ray.origin));
+            moment.iter().all(|part| part.sign() == Sign::Zero)
+        }
+        (Some(from), Some(to)) => edge_function(ray, from, to).sign() == Sign::Zero,
+    }
 }
