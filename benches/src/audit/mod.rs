@@ -35,7 +35,7 @@ pub struct AuditOptions {
 pub const MIN_BRUTE_FORCE_RAYS: usize = 50;
 
 /// Enough rays to see the errors of every precision; a mesh of 100 000 triangles takes about 10 s on two processors.
-pub const DEFAULT_RAYS: usize = 20_000;
+pub const DEFAULT_RAYS: usize = 10_000;
 
 /// Any number would do.
 pub const DEFAULT_SEED: u64 = 1;
