@@ -1,14 +1,14 @@
 //! Where a ray crosses a splitting plane, so that no hit is lost.
 //!
 //! **What has to hold.** A kernel accepts a triangle with a value `t`, and a point `p` of the triangle is within
-//! `REACH * 2^-24 * M` of `P = O + tD` in every coordinate, with `M` the largest coordinate difference between the
+//! `REACH * (2^-24 M + 2^-149)` of `P = O + tD` in every coordinate, with `M` the largest coordinate difference between the
 //! origin and the corners of the bounds (see [`tahko_geometry::kernel`]). A part of the triangle near `p` is listed in
 //! some cell. For each plane on the way there, `t` must be in the interval in which the traversal visits that side, or the
 //! plane itself for a triangle that is listed there.
 //!
 //! **In front of a plane with the unit normal `n`** the listed part is, by the [build](crate::build), where the
 //! distance is at least `-(84 + 16 k) u S`, with `u = 2^-53`, `k` cuts and `S` the largest coordinate.
-//! Hence the distance of `P` is at least `-(|n.x| + |n.y| + |n.z|) REACH 2^-24 M - (84 + 16 k) u S`. The traversal computes it as
+//! Hence the distance of `P` is at least `-(|n.x| + |n.y| + |n.z|) reach - (84 + 16 k) u S`. The traversal computes it as
 //! `s_o + t s_d` with `s_o = n . O + offset` and `s_d = n . D` in f64: the first is off by at most `14 u (|O| + S)`, the
 //! second by `7 u |D|`, in the norm of the largest coordinate, where `t |D|` is about the distance from `O` to `P`,
 //! at most `|O| + S` within the reach. Taken together, with `|n.x| + |n.y| + |n.z| <= sqrt(3)`,

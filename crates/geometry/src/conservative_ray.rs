@@ -1,7 +1,7 @@
 //! Box and plane tests that never lose a hit.
 //!
 //! **What has to hold.** A kernel accepts a triangle with a value `t` such that a point of the triangle lies
-//! within its reach `R = REACH * 2^-24 * M` of `P = O + tD` in every coordinate (see [`kernel`](crate::kernel)), with `M`
+//! within its reach `R = REACH * (2^-24 M + 2^-149)` of `P = O + tD` in every coordinate (see [`kernel`](crate::kernel)), with `M`
 //! the largest coordinate difference between the origin and the corners of the bounds of the whole
 //! structure. If the triangle lies in a box or in the half-space of a plane, `P` lies within `R` of it. A test is conservative if
 //! it accepts every `P` that lies that close. For the exact kernels `R` is zero: `P` itself is in the box.
@@ -34,7 +34,7 @@
 
 use glam::{DVec3, Vec3};
 
-use crate::{Aabb, Axis, Ray};
+use crate::{Aabb, Axis, Ray, kernel};
 
 /// A closed interval of ray parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,7 +61,6 @@ pub struct ConservativeRay {
     reach: f64,
 }
 
-const UNIT_ROUNDOFF: f64 = 1.0 / (1u64 << 24) as f64;
 /// How much an interval is widened relative to its ends.
 const RELATIVE_WIDENING: f32 = 8.0 / (1u32 << 24) as f32;
 /// More than underflow can take.
@@ -88,7 +87,7 @@ impl ConservativeRay {
         let is_extreme = !(1.0 / EXTREME..=EXTREME).contains(&largest) || farthest > EXTREME;
         let culls = !is_extreme && !bounds.is_empty();
         let reach = if culls {
-            f64::from(reach) * UNIT_ROUNDOFF * farthest
+            kernel::reach(reach, farthest)
         } else {
             f64::INFINITY
         };

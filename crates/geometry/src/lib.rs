@@ -19,6 +19,25 @@
 //! # Ok::<(), tahko_geometry::MeshError>(())
 //! ```
 //!
+//! A hit's [`SurfacePoint`] is its position with a bound of the error, and starts rays that leave the surface: they never meet the same triangle again, and
+//! there is no epsilon to choose:
+//!
+//! ```
+//! # use tahko_geometry::{BruteForce, Precision, Ray, RayQuery, TriangleMesh, glam::Vec3};
+//! use tahko_geometry::SurfacePoint;
+//!
+//! # let mesh = TriangleMesh::new(vec![Vec3::ZERO, Vec3::new(4.0, 0.0, 1.0), Vec3::Y * 4.0], vec![[0, 1, 2]])?;
+//! # let structure = BruteForce::new(&mesh, Precision::Exact);
+//! let hit = structure.closest_hit(&Ray::new(Vec3::new(1.0, 1.0, 9.0), Vec3::NEG_Z)).expect("a triangle is below");
+//! let triangle = mesh.triangle(hit.primitive as usize);
+//! let point = SurfacePoint::new(&hit, &triangle, Precision::Exact);
+//!
+//! let light = Vec3::new(3.0, 3.0, 9.0);
+//! assert!(!structure.any_hit(&point.spawn_ray_to(light)), "the light is not blocked");
+//! assert!(structure.closest_hit(&point.spawn_ray(Vec3::NEG_Z)).is_none(), "nor is the way on");
+//! # Ok::<(), tahko_geometry::MeshError>(())
+//! ```
+//!
 //! Polygons are cut by planes in f64; the parts keep the number of the original:
 //!
 //! ```
@@ -40,6 +59,8 @@
 //!   an edge closely may be lost. Where differences of coordinates overflow f32, these two may miss. See [`kernel`].
 //! - Whatever a kernel accepts lies in a cell that [`ConservativeRay`] visits, so every structure gives the answer of brute force,
 //!   bit for bit.
+//! - [`SurfacePoint`]: the exact hit is within the error that is given, and a ray that it spawns does not meet the triangle again at the precision of the
+//!   structure, for triangles of every size and wherever they are.
 //! - [`RayQuery::all_hits`], [`RayQuery::crossings`] and [`RayQuery::contains`] count each crossing of a closed surface once, exactly.
 //!
 //! # Features
@@ -61,6 +82,7 @@ pub mod predicate;
 pub mod query;
 mod ray;
 mod statistics;
+mod surface_point;
 #[cfg(feature = "test-support")]
 pub mod test_support;
 mod transform;
@@ -81,5 +103,6 @@ pub use query::{
 };
 pub use ray::Ray;
 pub use statistics::TreeStatistics;
+pub use surface_point::SurfacePoint;
 pub use transform::Transform;
 pub use triangle::Triangle;

@@ -62,7 +62,7 @@ const SMALLEST_LENGTH: f32 = 1.0 / (1u64 << 50) as f32;
 /// From this length on the f32 rung decides nothing.
 const LARGEST_LENGTH: f32 = (1u64 << 60) as f32;
 /// Weights are taken from the f64 rung if their error is below this.
-const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 26) as f64;
+pub(crate) const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 26) as f64;
 
 impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     const REACH: f32 = 0.0;

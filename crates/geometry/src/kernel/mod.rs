@@ -5,7 +5,7 @@
 //! what f64 cannot. All keep a promise that the structures rely on:
 //!
 //! > **Reach.** If a kernel accepts a triangle with value `t`, then some point of the triangle lies
-//! > within `REACH * 2^-24 * m` of the point `O + tD` in every coordinate, where `m` is the largest
+//! > within `REACH * (2^-24 m + 2^-149)` of the point `O + tD` in every coordinate, where `m` is the largest
 //! > coordinate difference between the ray's origin and the triangle's vertices that the kernel computed.
 //!
 //! [`ConservativeRay`](crate::ConservativeRay) widens box and plane tests by that distance, which is zero for
@@ -17,6 +17,7 @@ mod exact;
 mod moller_trumbore;
 mod woop;
 
+pub(crate) use exact::WEIGHT_ERROR;
 pub use exact::{Exact, ExactCrossing, Ladder};
 pub use moller_trumbore::MollerTrumbore;
 pub use woop::Woop;
@@ -24,6 +25,13 @@ pub use woop::Woop;
 use std::cmp::Ordering;
 
 use crate::{Ray, TraversalCounter, Triangle};
+
+/// The distance within which a kernel with a [`REACH`](TriangleKernel::REACH) keeps the promise in the module's documentation, for the largest coordinate
+/// difference `m`. The second term covers products that underflow.
+pub(crate) fn reach(kernel_reach: f32, m: f64) -> f64 {
+    const UNIT_ROUNDOFF: f64 = 1.0 / (1u64 << 24) as f64;
+    f64::from(kernel_reach) * (UNIT_ROUNDOFF * m + f64::from(f32::from_bits(1)))
+}
 
 /// How hits are decided; chosen when a structure is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -82,10 +90,16 @@ impl TriangleHit {
     /// Rounds a hit to f32; `None` if `t`, rounded, is outside `[t_min, t_max]` or NaN.
     ///
     /// Rounding comes before the comparison, so that the order in which triangles are tested, with
-    /// `t_max` shrinking to the best `t` so far, cannot change the answer.
+    /// `t_max` shrinking to the best `t` so far, cannot change the answer. A negative `t` stays negative: where it would underflow, the
+    /// hit is behind the origin nevertheless.
     fn rounded(t: f64, u: f64, v: f64, t_min: f32, t_max: f32) -> Option<Self> {
         #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
-        let t = t as f32;
+        let nearest = t as f32;
+        let t = if t < 0.0 {
+            nearest.min(-f32::from_bits(1))
+        } else {
+            nearest
+        };
         // A positive comparison: coordinates that overflow make t NaN, which is no hit.
         (t_min <= t && t <= t_max).then(|| Self::new(t, u, v))
     }

@@ -12,7 +12,7 @@
 //!
 //! **Reach.** A projected coordinate is `fl(dx - fl(s * dz))`, with `|s| <= 1` correct to one rounding.
 //! Its error is at most `2^-24 (2 |dx| + 4 |dz|)` to first order, and that of the depth `2^-24 |dz|`:
-//! at most `6 * 2^-24 m`. The weights of an accepted triangle are exact products subtracted once, hence
+//! at most `6 * 2^-24 m`, and `2^-150` where the product underflows. The weights of an accepted triangle are exact products subtracted once, hence
 //! correct to `2^-53` of themselves, and of one sign: the point of the true triangle with these weights is
 //! within that distance of the ray at the interpolated `t`. Where the ray meets the true triangle, as it does nearly always,
 //! `t` and the weights are those of the confirmation instead, whose reach is larger.

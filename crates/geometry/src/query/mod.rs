@@ -32,6 +32,9 @@ pub struct Hit {
 /// [valid](Ray::is_valid) hits nothing. The closest hit is the one with the smallest `t`; where several
 /// triangles are hit at the same `t`, it is the one with the smallest index.
 pub trait RayQuery: Sync {
+    /// The precision of the answers.
+    fn precision(&self) -> Precision;
+
     /// The closest hit with `t` in the ray's interval.
     fn closest_hit(&self, ray: &Ray) -> Option<Hit>;
 
@@ -140,6 +143,10 @@ fn is_on_surface<T: Traverse + ?Sized>(structure: &T, point: Vec3) -> bool {
 }
 
 impl<T: Traverse> RayQuery for T {
+    fn precision(&self) -> Precision {
+        Traverse::precision(self)
+    }
+
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
         run(self, ray, ClosestHit::new(ray), &mut ()).hit()
     }
