@@ -1,6 +1,6 @@
 //! Sends rays into a structure and counts them by kind.
 
-use tahko_geometry::{Hit, Ray, RayQuery};
+use tahko_geometry::{Hit, Precision, Ray, RayQuery};
 
 use super::RenderStatistics;
 
@@ -22,6 +22,11 @@ impl<'a> RayCaster<'a> {
 
     pub(crate) const fn statistics(&self) -> RenderStatistics {
         self.statistics
+    }
+
+    /// The precision of the hits, which decides where the rays start that leave them.
+    pub(crate) fn precision(&self) -> Precision {
+        self.query.precision()
     }
 
     pub(crate) fn camera_hits(&mut self, rays: &[Ray], hits: &mut [Option<Hit>]) {

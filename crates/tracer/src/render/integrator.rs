@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use tahko_geometry::{Hit, Ray};
 
 use super::caster::RayCaster;
-use super::surface::SurfacePoint;
+use super::surface::Surface;
 use crate::scene::{Material, Scene};
 
 /// How the radiance along a ray is found.
@@ -73,23 +73,23 @@ impl Integrator {
                 radiance += weight * scene.background;
                 continue;
             };
-            let Some(point) = SurfacePoint::new(scene, &hit, direction) else {
+            let Some(surface) = Surface::new(scene, &hit, direction, caster.precision()) else {
                 continue;
             };
             let material = scene.material_of(&hit);
             let color = scene.color_at(&hit);
             let follow = depth < max_depth;
-            let scattering = Scattering::of(material, color, &point, direction, follow);
+            let scattering = Scattering::of(material, color, &surface, direction, follow);
             radiance += weight * material.emission;
             if material.unlit {
                 radiance += weight * color;
             } else if scattering.diffuse != Vec3::ZERO {
-                radiance += weight * scattering.diffuse * irradiance(scene, caster, &point) / PI;
+                radiance += weight * scattering.diffuse * irradiance(scene, caster, &surface) / PI;
             }
             for (part, direction) in scattering.rays.into_iter().flatten() {
                 let weight = weight * part;
                 if weight.max_element() >= SMALLEST_WEIGHT {
-                    let ray = point.ray_towards(direction);
+                    let ray = surface.point.spawn_ray(direction.as_vec3());
                     let hit = caster.secondary_hit(&ray);
                     pending.push(Pending {
                         ray,
@@ -106,23 +106,25 @@ impl Integrator {
 
 /// Irradiance on the side of the surface that is seen: of each light that is not blocked, by the cosine law, and
 /// the ambient light.
-fn irradiance(scene: &Scene, caster: &mut RayCaster<'_>, point: &SurfacePoint) -> Vec3 {
+fn irradiance(scene: &Scene, caster: &mut RayCaster<'_>, surface: &Surface) -> Vec3 {
     let mut sum = scene.ambient * PI;
+    let position = surface.point.position().as_dvec3();
     for light in &scene.lights {
-        let Some(arriving) = light.illuminate(point.position) else {
+        let Some(arriving) = light.illuminate(position) else {
             continue;
         };
-        let cosine = arriving.to_light.dot(point.shading_normal);
+        let cosine = arriving.to_light.dot(surface.shading_normal);
         // The light must be on the seen side of the triangle and of its shading normal.
-        if cosine <= 0.0 || arriving.to_light.dot(point.normal) <= 0.0 {
+        if cosine <= 0.0 || arriving.to_light.dot(surface.normal) <= 0.0 {
             continue;
         }
+        // The triangle itself need not be ignored: the ray starts on the light's side of it and stays there. And its
+        // neighbours must not be: at a valley they do cast a shadow on it.
         let shadow_ray = if arriving.distance.is_finite() {
-            let start = point.start_towards(arriving.to_light);
-            let light_position = point.position + arriving.to_light * arriving.distance;
-            Ray::segment(start, light_position.as_vec3())
+            let light_position = position + arriving.to_light * arriving.distance;
+            surface.point.spawn_ray_to(light_position.as_vec3())
         } else {
-            point.ray_towards(arriving.to_light)
+            surface.point.spawn_ray(arriving.to_light.as_vec3())
         };
         if !caster.is_blocked(&shadow_ray) {
             #[expect(clippy::cast_possible_truncation, reason = "a cosine")]
@@ -145,7 +147,7 @@ impl Scattering {
     fn of(
         material: &Material,
         color: Vec3,
-        point: &SurfacePoint,
+        surface: &Surface,
         direction: DVec3,
         follow: bool,
     ) -> Self {
@@ -159,7 +161,7 @@ impl Scattering {
         let opaque = 1.0 - material.transmission;
         let mirrored = tint * (opaque * material.mirror);
         let diffuse = color * (opaque * (1.0 - material.mirror));
-        let reflected = reflect(direction, point);
+        let reflected = reflect(direction, surface);
         if material.transmission <= 0.0 {
             return Self {
                 diffuse,
@@ -167,8 +169,8 @@ impl Scattering {
             };
         }
         let ior = f64::from(material.ior);
-        let eta = if point.front { 1.0 / ior } else { ior };
-        let (fresnel, refracted) = refract(direction, point.shading_normal, eta);
+        let eta = if surface.front { 1.0 / ior } else { ior };
+        let (fresnel, refracted) = refract(direction, surface.shading_normal, eta);
         let glass = material.transmission;
         let refracted_part = color * (glass * (1.0 - fresnel));
         Self {
@@ -182,13 +184,13 @@ impl Scattering {
 }
 
 /// The mirror direction, by the shading normal unless that leads below the surface.
-fn reflect(direction: DVec3, point: &SurfacePoint) -> DVec3 {
+fn reflect(direction: DVec3, surface: &Surface) -> DVec3 {
     let by = |normal: DVec3| direction - normal * (2.0 * direction.dot(normal));
-    let reflected = by(point.shading_normal);
-    if reflected.dot(point.normal) > 0.0 {
+    let reflected = by(surface.shading_normal);
+    if reflected.dot(surface.normal) > 0.0 {
         reflected
     } else {
-        by(point.normal)
+        by(surface.normal)
     }
 }
 

@@ -128,6 +128,29 @@ fn a_surface_between_light_and_floor_casts_a_shadow_and_one_behind_the_light_doe
 }
 
 #[test]
+fn what_lies_close_above_a_large_floor_casts_a_shadow() {
+    // Rays that were lifted by a part of the floor's extent would start above it.
+    let height = 1e-3;
+    let mut speck = square(height, 0.25 * height);
+    speck
+        .positions
+        .iter_mut()
+        .for_each(|position| position.x += 2.0 * height / 4.0);
+    let light = [Light::Point {
+        position: DVec3::new(2.0, 4.0, 0.0),
+        intensity: Vec3::splat(100.0),
+    }];
+    let floor = || (square(0.0, 1e5), white());
+    let lit = center(&scene(vec![floor()], &light), Integrator::Direct);
+    let shaded = center(
+        &scene(vec![floor(), (speck, white())], &light),
+        Integrator::Direct,
+    );
+    assert!(lit.x > 0.5, "{lit}");
+    assert_eq!(shaded, Vec3::ZERO);
+}
+
+#[test]
 fn a_mirror_shows_the_background_and_glass_shows_what_is_behind() {
     let mirror = Material {
         mirror: 1.0,

@@ -119,7 +119,7 @@ impl Scene {
 }
 
 /// The weights of the three vertices at a hit.
-pub(crate) fn barycentric_weights(hit: &Hit) -> [f64; 3] {
+fn barycentric_weights(hit: &Hit) -> [f64; 3] {
     let [u, v] = [hit.u, hit.v].map(f64::from);
     [1.0 - u - v, u, v]
 }
