@@ -1,7 +1,7 @@
 //! Deterministic sets of rays over a scene.
 
 use tahko_bench::random::Random;
-use tahko_tracer::geometry::{Aabb, Hit, Ray, RayQuery};
+use tahko_tracer::geometry::{Aabb, Hit, Precision, Ray, RayQuery, SurfacePoint};
 use tahko_tracer::scene::{Light, Scene};
 
 /// What kind of rays a set holds.
@@ -76,19 +76,20 @@ fn shadow(scene: &Scene, query: &dyn RayQuery, count: usize) -> Vec<Ray> {
     let Some(light) = scene.lights().first() else {
         return Vec::new();
     };
-    let to_light = |ray: Ray, hit: Hit| {
-        // Just before the hit, by a few roundings of the way to it.
-        let start = ray.at(hit.t * (1.0 - 16.0 * f32::EPSILON));
+    let to_light = |hit: Hit| {
+        // The same rays for all precisions: they leave their triangle at the coarsest, and so at all of them.
+        let triangle = scene.mesh().triangle(hit.primitive as usize);
+        let start = SurfacePoint::new(&hit, &triangle, Precision::Fast);
         match *light {
             Light::Point { position, .. } | Light::Spot { position, .. } => {
-                Ray::segment(start, position.as_vec3())
+                start.spawn_ray_to(position.as_vec3())
             }
-            Light::Directional { direction, .. } => Ray::new(start, -direction.as_vec3()),
+            Light::Directional { direction, .. } => start.spawn_ray(-direction.as_vec3()),
         }
     };
     primary(scene, count)
         .into_iter()
-        .filter_map(|ray| query.closest_hit(&ray).map(|hit| to_light(ray, hit)))
+        .filter_map(|ray| query.closest_hit(&ray).map(to_light))
         .collect()
 }
 

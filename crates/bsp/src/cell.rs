@@ -108,7 +108,8 @@ impl Cell {
         let mut on_cut = Vec::new();
         for face in &self.faces {
             clip(&face.outline, plane, |point| {
-                // A kept vertex on the plane, or a new one.
+                // A kept vertex on the plane, or a new one. Where rounding puts such a vertex beside the plane, the edge is cut next to
+                // it; cells only weigh splits, so no hit depends on it.
                 if !face.outline.contains(&point) || plane.signed_distance(point) == 0.0 {
                     on_cut.push(point);
                 }

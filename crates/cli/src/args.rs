@@ -103,7 +103,7 @@ pub(crate) struct RenderArguments {
     /// Structure to use
     #[arg(long, value_name = "NAME", default_value = StructureKind::Bvh.name(), value_parser = structure_parser())]
     pub(crate) accel: StructureKind,
-    /// Ray/triangle test
+    /// How hits are decided: fast may err at edges, watertight leaves no gaps, exact is always right
     #[arg(long, value_name = "NAME", default_value = Precision::default().name(), value_parser = precision_parser())]
     pub(crate) precision: Precision,
     /// Kinds of light to follow
@@ -156,7 +156,7 @@ pub(crate) struct QueryArguments {
     /// Structure to use
     #[arg(long, value_name = "NAME", default_value = StructureKind::Bvh.name(), value_parser = structure_parser())]
     pub(crate) accel: StructureKind,
-    /// Ray/triangle test
+    /// How hits are decided: fast may err at edges, watertight leaves no gaps, exact is always right
     #[arg(long, value_name = "NAME", default_value = Precision::default().name(), value_parser = precision_parser())]
     pub(crate) precision: Precision,
     #[command(flatten)]

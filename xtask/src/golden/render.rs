@@ -64,16 +64,22 @@ impl Precision {
 }
 
 impl Case {
-    /// Every structure at every precision on one thread and on `all_threads`. The first of a precision is brute force
-    /// on one thread: the reference for the others.
+    /// Every structure at every precision: the golden one on one thread and on `all_threads`, the others, whose threads divide the same work, on one
+    /// or the other in turn. The first of a precision is brute force on one thread: the reference for the others.
     pub(super) fn all(all_threads: usize) -> Vec<Self> {
         let mut cases = Vec::new();
         for precision in Precision::ALL {
-            for structure in STRUCTURES {
-                cases.extend([1, all_threads].map(|threads| Self {
+            for (index, structure) in STRUCTURES.into_iter().enumerate() {
+                let both = [1, all_threads];
+                let threads = if precision == Precision::GOLDEN {
+                    &both[..]
+                } else {
+                    &both[index % 2..][..1]
+                };
+                cases.extend(threads.iter().map(|threads| Self {
                     structure,
                     precision,
-                    threads,
+                    threads: *threads,
                 }));
             }
         }
@@ -165,7 +171,7 @@ mod tests {
         names.sort();
         names.dedup();
         assert_eq!(names.len(), 16);
-        assert_eq!(names[0], "fast-brute-1");
+        assert_eq!(names[0], "exact-brute-1");
     }
 
     #[test]

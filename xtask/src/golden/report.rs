@@ -260,17 +260,17 @@ mod tests {
     #[test]
     fn one_structure_that_differs_is_named_with_a_difference_image() {
         let folder = folder("differs");
-        let is_odd = |case: &Case| case.file_name() == "fast-kdtree-4";
+        let is_odd = |case: &Case| case.file_name() == "fast-bvh-4";
         let pictures = all(|case| Ok(png(usize::from(is_odd(case)))));
         let report = check(&pictures, Some(&png(0)), &folder).unwrap();
         assert_eq!(
             messages(&report),
             [
-                "kdtree fast (--threads 4) and brute fast (--threads 1) differ: \
+                "bvh fast (--threads 4) and brute fast (--threads 1) differ: \
                  1 pixels differ, 1 by more than 1, at most by 191"
             ]
         );
-        let marks = folder.join("fast-kdtree-4.difference.png");
+        let marks = folder.join("fast-bvh-4.difference.png");
         assert!(marks.exists(), "{marks:?}");
         fs::remove_dir_all(folder).unwrap();
     }
@@ -282,7 +282,7 @@ mod tests {
         assert!(near.verdict.starts_with("within tolerance"), "{near:?}");
         let pictures = all(|_| Ok(png(compare::OUTLIERS + 1)));
         let far = check(&pictures, Some(&png(0)), &folder).unwrap();
-        assert_eq!(far.verdict, "FAILED (1)");
+        assert_eq!(far.verdict, "FAILED (2)", "exact and watertight");
         let marks = folder.join("exact-brute-1.golden-difference.png");
         assert!(marks.exists(), "{marks:?}");
         fs::remove_dir_all(folder).unwrap();
@@ -296,7 +296,7 @@ mod tests {
             _ => Ok(png(0)),
         });
         let report = check(&pictures, None, &folder).unwrap();
-        let expected = "bsp fast (--threads 1) and 3 other cases: ended with 1";
+        let expected = "bsp fast (--threads 4) and 3 other cases: ended with 1";
         assert_eq!(messages(&report)[0], expected);
         assert_eq!(report.problems.len(), 2, "{report:?}");
         let broken = check(&all(|_| Ok(png(0))), Some(b"no picture"), &folder).unwrap();

@@ -73,7 +73,7 @@ impl Integrator {
                 radiance += weight * scene.background;
                 continue;
             };
-            let Some(surface) = Surface::new(scene, &hit, direction, caster.precision()) else {
+            let Some(surface) = Surface::new(scene, &hit, &ray, caster.precision()) else {
                 continue;
             };
             let material = scene.material_of(&hit);

@@ -1,7 +1,8 @@
 //! The surface at a hit: its place, its normals, and its sides.
 
 use glam::DVec3;
-use tahko_geometry::{Hit, Plane, Precision, SurfacePoint};
+use tahko_geometry::predicate::{Sign, direction_side};
+use tahko_geometry::{Hit, Plane, Precision, Ray, SurfacePoint};
 
 use crate::scene::Scene;
 
@@ -19,16 +20,13 @@ pub(crate) struct Surface {
 }
 
 impl Surface {
-    /// The surface at a hit of a ray with a direction; `None` where the triangle has no normal, which hits exclude.
-    pub(crate) fn new(
-        scene: &Scene,
-        hit: &Hit,
-        direction: DVec3,
-        precision: Precision,
-    ) -> Option<Self> {
+    /// The surface at a hit of a ray; `None` where the triangle has no normal, which hits exclude.
+    pub(crate) fn new(scene: &Scene, hit: &Hit, ray: &Ray, precision: Precision) -> Option<Self> {
         let triangle = scene.mesh().triangle(hit.primitive as usize);
         let front_normal = Plane::from_triangle(&triangle)?.normal;
-        let front = direction.dot(front_normal) < 0.0;
+        // Exact, so that a grazing ray does not mistake entering glass for leaving it.
+        let front = direction_side(ray.direction, &triangle) == Sign::Negative;
+        let direction = ray.direction.as_dvec3();
         let towards_viewer = |normal: DVec3| if front { normal } else { -normal };
         let normal = towards_viewer(front_normal);
         let shading_normal = scene
