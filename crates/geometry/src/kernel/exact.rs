@@ -16,6 +16,11 @@
 //! least `2^-50`: what products of smaller numbers lose by underflow, at most `2^-145` and `2^-147` times a length, is then inside
 //! them. Where a length is `2^60` or more, the rung decides nothing, so that nothing overflows.
 //!
+//! It also throws out what is certainly hit outside the interval, if the determinant is certain: `(f . n)` carries one more rounding than the
+//! others, which its bound covers, and is compared with `t_max` times the determinant, or with zero where `t_min` is not negative. This
+//! is a product of three lengths on each side, so it is left to f64 unless all lengths are below `2^30`, and those below
+//! `2^-30` count as that in its bound; likewise a scaled `t_max`.
+//!
 //! **The f64 rung** computes the same terms with the same bounds, for `u = 2^-53`, where f32 input can neither overflow nor underflow. It decides where the
 //! weights are certain, where `t` rounds to the same f32 at both ends of its error, and where that is neither end of the ray's
 //! interval.
@@ -53,6 +58,8 @@ pub struct Ladder<const PERTURBED: bool> {
     ray: Ray,
     /// The direction, scaled by a power of two to a largest component in `[1, 2)`.
     scaled_direction: Vec3,
+    /// What `t` is to be multiplied by for the scaled direction; NaN where that could be inexact.
+    t_scale: f32,
 }
 
 /// The bound of the f32 rung, relative to the product of the largest factors.
@@ -61,6 +68,10 @@ const F32_ERROR: f32 = 64.0 / (1u32 << 24) as f32;
 const SMALLEST_LENGTH: f32 = 1.0 / (1u64 << 50) as f32;
 /// From this length on the f32 rung decides nothing.
 const LARGEST_LENGTH: f32 = (1u64 << 60) as f32;
+/// Lengths between this and its reciprocal may decide about `t` on the f32 rung.
+const SHORT: f32 = 1.0 / (1u64 << 30) as f32;
+/// One, and some roundings.
+const ABOVE_ONE: f32 = 1.0 + 8.0 * f32::EPSILON;
 /// Weights are taken from the f64 rung if their error is below this.
 pub(crate) const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 26) as f64;
 
@@ -68,9 +79,21 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     const REACH: f32 = 0.0;
 
     fn new(ray: &Ray) -> Self {
+        let power = power_of_two(ray.direction);
+        let scaled_direction = (ray.direction.as_dvec3() / power).as_vec3();
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "a power of two in the range of f32"
+        )]
+        let t_scale = if (1e-18..1e18).contains(&power) {
+            power as f32
+        } else {
+            f32::NAN
+        };
         Self {
             ray: *ray,
-            scaled_direction: scaled(ray.direction),
+            scaled_direction,
+            t_scale,
         }
     }
 
@@ -81,7 +104,7 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         t_max: f32,
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        if self.certainly_misses(triangle) {
+        if self.certainly_misses(triangle, t_max) {
             counter.decision(Rung::F32);
             return None;
         }
@@ -114,7 +137,7 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
 
     /// The f32 rung.
     #[inline]
-    fn certainly_misses(&self, triangle: &Triangle) -> bool {
+    fn certainly_misses(&self, triangle: &Triangle, t_max: f32) -> bool {
         let from_origin = triangle.a - self.ray.origin;
         let edge1 = triangle.b - triangle.a;
         let edge2 = triangle.c - triangle.a;
@@ -130,10 +153,29 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         let scale = 2.0 * F32_ERROR;
         let error_b = scale * f * e2;
         let error_c = scale * f * e1;
-        let error_a = scale * e1 * e2 + error_b + error_c;
+        let determinant_error = scale * e1 * e2;
+        let error_a = determinant_error + error_b + error_c;
         let positive = of_a > error_a || of_b > error_b || of_c > error_c;
         let negative = of_a < -error_a || of_b < -error_b || of_c < -error_c;
-        positive && negative && f.max(e1).max(e2) < LARGEST_LENGTH
+        let largest = f.max(e1).max(e2);
+        if positive && negative {
+            return largest < LARGEST_LENGTH;
+        }
+        // In the direction of the ray: positive ahead of the origin.
+        let depth = from_origin.dot(normal) * 1.0f32.copysign(determinant);
+        let depth_error = F32_ERROR * f.max(SHORT) * e1.max(SHORT) * e2.max(SHORT);
+        let determinant = determinant.abs();
+        let scaled_t_max = t_max * self.t_scale;
+        // NaN stays NaN, with which nothing is beyond.
+        let limit = if scaled_t_max < SHORT {
+            SHORT
+        } else {
+            scaled_t_max
+        };
+        let limit = limit * (determinant + determinant_error) * ABOVE_ONE;
+        let is_behind = depth < -depth_error && self.ray.t_min >= 0.0;
+        let is_beyond = depth - depth_error > limit;
+        (is_behind || is_beyond) && determinant > determinant_error && largest < 1.0 / SHORT
     }
 
     /// The f64 rung.
@@ -253,14 +295,13 @@ fn rounded(t: f64) -> f32 {
     nearest.clamp(f32::MIN, f32::MAX)
 }
 
-/// A direction times the power of two that brings its largest component into `[1, 2)`.
+/// The power of two that is not above the largest component of a direction, and not below half of it.
 ///
-/// Exact, but for components below `2^-126` of the largest, which may lose up to `2^-150`: less than the bounds have to spare.
-fn scaled(direction: Vec3) -> Vec3 {
+/// Dividing by it is exact, but for components below `2^-126` of the largest, which may lose up to `2^-150`: less than the bounds have to spare.
+fn power_of_two(direction: Vec3) -> f64 {
     let largest = f64::from(direction.abs().max_element());
     // The exponent of a normal f64, which every f32 but zero becomes.
-    let power_of_two = f64::from_bits(largest.to_bits() & (0x7ff << 52));
-    (direction.as_dvec3() / power_of_two).as_vec3()
+    f64::from_bits(largest.to_bits() & (0x7ff << 52))
 }
 
 /// Whether two triangles have the same vertices in any order, and so the same plane.
