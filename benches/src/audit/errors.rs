@@ -7,6 +7,8 @@ pub enum Mistake {
     FalseHit,
     /// No closest hit where the ray hits something.
     FalseMiss,
+    /// A false miss of a half-line that crosses the surface an odd number of times: on a closed mesh, a ray that escapes from inside.
+    Leak,
     /// Another triangle than the closest, or than the first of those that are equally close.
     WrongTriangle,
     /// The right triangle with a `t` that is not the exact one, correctly rounded.
@@ -23,9 +25,10 @@ pub enum Mistake {
 
 impl Mistake {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::FalseHit,
         Self::FalseMiss,
+        Self::Leak,
         Self::WrongTriangle,
         Self::InexactT,
         Self::InexactWeights,
@@ -40,6 +43,7 @@ impl Mistake {
         match self {
             Self::FalseHit => "false hits",
             Self::FalseMiss => "false misses",
+            Self::Leak => "leaks",
             Self::WrongTriangle => "wrong triangles",
             Self::InexactT => "inexact t",
             Self::InexactWeights => "inexact weights",

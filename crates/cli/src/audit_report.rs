@@ -10,9 +10,10 @@ use tahko_tracer::geometry::{Precision, Ray};
 use crate::terminal::printable;
 
 /// The mistakes with a column of their own; the others are exceptional and share one.
-const COLUMNS: [Mistake; 4] = [
+const COLUMNS: [Mistake; 5] = [
     Mistake::FalseHit,
     Mistake::FalseMiss,
+    Mistake::Leak,
     Mistake::WrongTriangle,
     Mistake::InexactT,
 ];
