@@ -7,7 +7,8 @@ pub enum Mistake {
     FalseHit,
     /// No closest hit where the ray hits something.
     FalseMiss,
-    /// A false miss of a half-line that crosses the surface an odd number of times: on a closed mesh, a ray that escapes from inside.
+    /// A false miss of a half-line from `t = 0` that crosses the surface an odd number of times: on a closed mesh, a ray that
+    /// escapes from inside.
     Leak,
     /// Another triangle than the closest, or than the first of those that are equally close.
     WrongTriangle,

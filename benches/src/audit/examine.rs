@@ -98,8 +98,9 @@ impl Batch {
             let given = query.closest_hit(ray);
             let any_hit = query.any_hit(ray);
             let (mut mistakes, t_error) = compare(given.as_ref(), exact);
-            let must_hit = ray.t_max == f32::INFINITY && answer.crossings.len() % 2 == 1;
-            mistakes.add_if(given.is_none() && must_hit, Mistake::Leak);
+            let is_half_line = ray.t_min == 0.0 && ray.t_max == f32::INFINITY;
+            let starts_inside = is_half_line && answer.crossings.len() % 2 == 1;
+            mistakes.add_if(given.is_none() && starts_inside, Mistake::Leak);
             mistakes.add_if(any_hit != exact.is_some(), Mistake::AnyHit);
             let same_in_batch = bits(given) == bits(hits[index]) && any_hit == any[index];
             mistakes.add_if(!same_in_batch, Mistake::Batch);
