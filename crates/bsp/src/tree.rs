@@ -1,6 +1,6 @@
 //! The public type.
 
-use tahko_geometry::{Aabb, TriangleMesh, glam::DVec3};
+use tahko_geometry::{Aabb, Precision, TriangleMesh, glam::DVec3};
 
 use crate::build::{self, Subtree};
 use crate::node::{Child, IN_PLANE, List, ListedTriangle, Node};
@@ -74,6 +74,13 @@ impl BspTree {
     #[must_use]
     pub const fn options(&self) -> &BspOptions {
         &self.options
+    }
+
+    /// The same tree with another precision of its queries: the build does not depend on it.
+    #[must_use]
+    pub const fn with_precision(mut self, precision: Precision) -> Self {
+        self.options.precision = precision;
+        self
     }
 
     /// The smallest box around all triangles; empty for none.

@@ -1,6 +1,6 @@
 //! The public type.
 
-use tahko_geometry::{Aabb, TriangleMesh};
+use tahko_geometry::{Aabb, Precision, TriangleMesh};
 
 use crate::build::BinaryTree;
 use crate::layout::Bvh2;
@@ -40,6 +40,13 @@ impl Bvh {
     #[must_use]
     pub const fn options(&self) -> &BvhOptions {
         &self.options
+    }
+
+    /// The same tree with another precision of its queries: the build does not depend on it.
+    #[must_use]
+    pub const fn with_precision(mut self, precision: Precision) -> Self {
+        self.options.precision = precision;
+        self
     }
 
     /// The smallest box around all triangles; empty for none.

@@ -34,6 +34,13 @@ impl BruteForce {
         }
     }
 
+    /// The same triangles with another precision of the queries.
+    #[must_use]
+    pub const fn with_precision(mut self, precision: Precision) -> Self {
+        self.precision = precision;
+        self
+    }
+
     /// One list, no nodes; a ray costs one test per triangle.
     #[must_use]
     pub fn statistics(&self) -> TreeStatistics {

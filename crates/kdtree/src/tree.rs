@@ -100,6 +100,13 @@ impl KdTree {
         self.nodes.len()
     }
 
+    /// The same tree with another precision of its queries: the build does not depend on it.
+    #[must_use]
+    pub const fn with_precision(mut self, precision: Precision) -> Self {
+        self.options.precision = precision;
+        self
+    }
+
     /// How hits are decided.
     #[must_use]
     pub const fn precision(&self) -> Precision {
