@@ -1,5 +1,7 @@
 //! Counts of mistakes.
 
+use serde::{Deserialize, Serialize};
+
 /// What can be wrong with an answer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mistake {
@@ -86,14 +88,67 @@ pub struct Errors {
 }
 
 /// The distribution of the errors of `t`, in units in the last place of the exact one.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TErrors {
     /// Half of the errors are not above this.
+    #[serde(with = "finite_or_word")]
     pub median: f64,
     /// 999 of 1000 errors are not above this.
+    #[serde(with = "finite_or_word")]
     pub quantile_999: f64,
     /// The largest.
+    #[serde(with = "finite_or_word")]
     pub largest: f64,
+}
+
+/// JSON has no infinity, but a `t` can be infinitely wrong: the word `inf` stands for it.
+mod finite_or_word {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[derive(Serialize, Deserialize)]
+    #[serde(untagged)]
+    enum Stored {
+        Finite(f64),
+        Word(String),
+    }
+
+    #[expect(
+        clippy::trivially_copy_pass_by_ref,
+        reason = "the signature that serde calls"
+    )]
+    pub(super) fn serialize<S: Serializer>(value: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+        let stored = if value.is_finite() {
+            Stored::Finite(*value)
+        } else {
+            Stored::Word(value.to_string())
+        };
+        stored.serialize(serializer)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+        match Stored::deserialize(deserializer)? {
+            Stored::Finite(value) => Ok(value),
+            Stored::Word(word) => word.parse().map_err(serde::de::Error::custom),
+        }
+    }
+}
+
+impl TErrors {
+    /// The distribution of some errors; `None` for none.
+    #[must_use]
+    pub fn of(mut errors: Vec<f64>) -> Option<Self> {
+        errors.sort_unstable_by(f64::total_cmp);
+        // The smallest value that a part of all values is not above.
+        let quantile = |permille: usize| {
+            let rank = (permille * errors.len()).div_ceil(1000).max(1);
+            errors[rank - 1]
+        };
+        (!errors.is_empty()).then(|| Self {
+            median: quantile(500),
+            quantile_999: quantile(999),
+            largest: quantile(1000),
+        })
+    }
 }
 
 impl Errors {
@@ -138,20 +193,9 @@ impl Tally {
         self.t_errors.extend(&other.t_errors);
     }
 
-    pub(super) fn finish(mut self) -> Errors {
-        self.t_errors.sort_unstable_by(f64::total_cmp);
-        // The smallest value that a part of all values is not above.
-        let quantile = |permille: usize| {
-            let rank = (permille * self.t_errors.len()).div_ceil(1000).max(1);
-            self.t_errors[rank - 1]
-        };
-        let t_errors = (!self.t_errors.is_empty()).then(|| TErrors {
-            median: quantile(500),
-            quantile_999: quantile(999),
-            largest: quantile(1000),
-        });
+    pub(super) fn finish(self) -> Errors {
         Errors {
-            t_errors,
+            t_errors: TErrors::of(self.t_errors),
             ..self.errors
         }
     }
@@ -168,6 +212,10 @@ mod tests {
             for error in errors {
                 tally.add(true, Mistakes::default(), Some(*error));
             }
+            assert_eq!(
+                tally.clone().finish().t_errors,
+                TErrors::of(errors.to_vec())
+            );
             tally.finish().t_errors
         };
         let expected = |median, quantile_999, largest| TErrors {
@@ -180,6 +228,21 @@ mod tests {
         assert_eq!(finish(&[3.0, 1.0]), Some(expected(1.0, 3.0, 3.0)));
         let many: Vec<f64> = (1..=2000u16).rev().map(f64::from).collect();
         assert_eq!(finish(&many), Some(expected(1000.0, 1998.0, 2000.0)));
+    }
+
+    #[test]
+    fn infinite_errors_survive_json() {
+        let errors = TErrors {
+            median: 0.25,
+            quantile_999: 1.5,
+            largest: f64::INFINITY,
+        };
+        let text = serde_json::to_string(&errors).unwrap();
+        assert_eq!(
+            text,
+            r#"{"median":0.25,"quantile_999":1.5,"largest":"inf"}"#
+        );
+        assert_eq!(serde_json::from_str::<TErrors>(&text).unwrap(), errors);
     }
 
     #[test]

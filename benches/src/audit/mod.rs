@@ -18,6 +18,7 @@ use tahko_tracer::geometry::{Precision, TriangleMesh};
 pub use errors::{Errors, Mistake, TErrors};
 pub use examine::Example;
 pub use rays::{RayKind, rays};
+pub use reference::Closest;
 
 /// How much is audited.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -15,20 +15,23 @@ pub(super) struct Answer {
     pub(super) crossings: Box<[(u32, f32)]>,
 }
 
-/// The exact closest hit.
+/// An exact closest hit, rounded to numbers that are quick to compare with.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Closest {
-    pub(super) triangle: u32,
-    /// Correctly rounded to f32.
-    pub(super) rounded_t: f32,
-    /// Correctly rounded to f64, as are the weights.
-    t: f64,
+pub struct Closest {
+    /// The triangle's index in the mesh.
+    pub triangle: u32,
+    /// `t`, correctly rounded to f32.
+    pub rounded_t: f32,
+    /// `t`, correctly rounded to f64, as are the weights.
+    pub t: f64,
     pub(super) u: f64,
     pub(super) v: f64,
 }
 
 impl Closest {
-    fn new(hit: &ExactHit) -> Self {
+    /// Rounds an exact hit.
+    #[must_use]
+    pub fn new(hit: &ExactHit) -> Self {
         let [t, u, v] = [&hit.t, &hit.u, &hit.v].map(|exact| exact.to_f64().value());
         Self {
             triangle: hit.triangle,
@@ -41,7 +44,8 @@ impl Closest {
 
     /// How far a `t` is from the exact one, in units in the last place of the exact one, correct to `2^-28` of such a unit. An exact `t` beyond the
     /// largest f32 counts as that. Infinite for a `t` that is not finite.
-    pub(super) fn t_error_in_ulps(&self, t: f32) -> f64 {
+    #[must_use]
+    pub fn t_error_in_ulps(&self, t: f32) -> f64 {
         if !t.is_finite() {
             return f64::INFINITY;
         }
