@@ -1,6 +1,6 @@
 //! `tahko-bench`: speed, and in the same row the error that was measured in the same run.
 //!
-//! `cargo xtask bench` runs this program. Tables go to stdout, progress to stderr.
+//! `cargo xtask bench` runs this program. Tables go to stdout, progress to stderr, reports to a folder.
 #![forbid(unsafe_code)]
 #![expect(
     clippy::print_stdout,
@@ -8,91 +8,76 @@
     reason = "a command line program"
 )]
 
-mod exactness;
-mod growth;
-mod oracle;
+mod arguments;
+mod baseline;
+mod contender;
+mod errors;
+mod machine;
+mod measure;
+mod progress;
+mod promises;
 mod rays;
+mod report;
+mod run;
 mod scenes;
+mod structures;
 mod table;
+mod timing;
 
-use std::path::PathBuf;
+use std::io::Write as _;
+use std::path::Path;
 use std::process::ExitCode;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::Parser;
+use tahko_tracer::write_atomically;
 
-/// Measures all structures over scenes: build time, memory, rays per second, tests per ray, and errors.
-#[derive(Debug, Parser)]
-#[command(
-    version,
-    after_help = "Examples:\n  \
-    cargo xtask bench                          all scenes of scenes/\n  \
-    cargo xtask bench --scene my.glb           a file of your own\n  \
-    cargo xtask bench --exactness              what the exact precision costs\n  \
-    cargo xtask bench --growth > growth.md     build time and memory for n = 1e3 to 1e6"
-)]
-struct Arguments {
-    /// A scene or mesh to measure instead of those in scenes/; may be repeated.
-    #[arg(long = "scene", value_name = "FILE")]
-    scenes: Vec<PathBuf>,
-    /// Few rays and short rounds, to see that everything works: the figures mean little.
-    #[arg(long)]
-    quick: bool,
-    /// Measure what exactness costs: time relative to the fast precision, errors, and which arithmetic decided.
-    #[arg(long, conflicts_with = "growth")]
-    exactness: bool,
-    /// Measure how build time and memory grow with the number of triangles, instead of tracing scenes.
-    #[arg(long)]
-    growth: bool,
-    /// The largest number of triangles for --growth.
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 1_000_000,
-        requires = "growth"
-    )]
-    largest: u32,
-}
+use arguments::Arguments;
 
 fn main() -> ExitCode {
     match run(&Arguments::parse()) {
-        Ok(()) => ExitCode::SUCCESS,
+        Ok(broken) if broken.is_empty() => ExitCode::SUCCESS,
+        Ok(broken) => {
+            for promise in broken {
+                eprintln!("error: {promise}");
+            }
+            ExitCode::FAILURE
+        }
         Err(error) => {
             eprintln!("error: {error:#}");
-            ExitCode::FAILURE
+            ExitCode::from(2)
         }
     }
 }
 
-fn run(arguments: &Arguments) -> Result<()> {
-    if arguments.growth {
-        let largest = if arguments.quick {
-            2_000
-        } else {
-            arguments.largest
-        };
-        return growth::print(largest);
-    }
-    let effort = if arguments.quick {
-        scenes::Effort::QUICK
-    } else {
-        scenes::Effort::FULL
-    };
-    let files = if arguments.scenes.is_empty() {
-        scenes::shipped()?
-    } else {
-        arguments.scenes.clone()
-    };
-    if arguments.exactness {
-        let effort = if arguments.quick {
-            exactness::Effort::QUICK
-        } else {
-            exactness::Effort::FULL
-        };
-        return exactness::print(&files, &effort);
-    }
-    for file in files {
-        scenes::measure(&file, &effort)?;
-    }
+/// Measures, prints and writes; gives the promises that were broken.
+fn run(arguments: &Arguments) -> Result<Vec<String>> {
+    // What can go wrong with files goes wrong before the work, not after it.
+    let baseline = arguments
+        .baseline
+        .as_deref()
+        .map(baseline::load)
+        .transpose()?;
+    let folder = &arguments.out;
+    std::fs::create_dir_all(folder)
+        .with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let report = run::run(arguments)?;
+    let comparison = baseline.map(|baseline| baseline::compare(&report, &baseline));
+    let page = report::markdown::page(&report, comparison.as_ref());
+    println!("{page}");
+    write(
+        folder,
+        "report.json",
+        &format!("{}\n", serde_json::to_string_pretty(&report)?),
+    )?;
+    write(folder, "report.md", &page)?;
+    Ok(promises::broken(&report))
+}
+
+fn write(folder: &Path, name: &str, text: &str) -> Result<()> {
+    let file = folder.join(name);
+    write_atomically(&file, |writer| writer.write_all(text.as_bytes()))
+        .with_context(|| format!("cannot write {}", file.display()))?;
+    eprintln!("wrote {}", file.display());
     Ok(())
 }

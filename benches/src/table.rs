@@ -2,8 +2,8 @@
 
 use comfy_table::{CellAlignment, ContentArrangement, Table, presets};
 
-/// Prints rows under a header, numbers to the right, the first `text_columns` columns to the left.
-pub(crate) fn print(header: &[&str], rows: Vec<Vec<String>>, text_columns: usize) {
+/// Rows under a header, numbers to the right, the first `text_columns` columns to the left.
+pub(crate) fn markdown(header: &[&str], rows: Vec<Vec<String>>, text_columns: usize) -> String {
     let mut table = Table::new();
     table
         .load_style(presets::ASCII_MARKDOWN)
@@ -15,7 +15,7 @@ pub(crate) fn print(header: &[&str], rows: Vec<Vec<String>>, text_columns: usize
     for column in table.column_iter_mut().skip(text_columns) {
         column.set_cell_alignment(CellAlignment::Right);
     }
-    println!("{table}\n");
+    format!("{table}\n")
 }
 
 /// A number with three significant digits.

@@ -1,0 +1,282 @@
+//! The project's own structures as contenders.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use anyhow::Result;
+use clap::ValueEnum;
+use tahko_bsp::{BspOptions, BspTree};
+use tahko_bvh::{Bvh, BvhOptions};
+use tahko_kdtree::{KdTree, KdTreeOptions};
+use tahko_tracer::accelerator::StructureKind;
+use tahko_tracer::geometry::{
+    BruteForce, Hit, Precision, Ray, RayQuery, TreeStatistics, TriangleMesh,
+};
+
+use crate::contender::{Built, Contender, Recipe};
+use crate::report::{self, TreeRow};
+
+/// The name of the project among the libraries.
+pub(crate) const LIBRARY: &str = "tahko";
+
+/// Presets of build options; a structure may not have all.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+#[value(rename_all = "snake_case")]
+pub(crate) enum Preset {
+    /// The shortest build.
+    Fast,
+    /// The default.
+    Balanced,
+    /// The fewest visits and tests.
+    HighQuality,
+}
+
+impl Preset {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Fast => "fast",
+            Self::Balanced => "balanced",
+            Self::HighQuality => "high_quality",
+        }
+    }
+}
+
+/// Ways of asking a structure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Interface {
+    /// A call per ray.
+    Single,
+    /// A call for many rays.
+    Batch,
+}
+
+impl Interface {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Single => "single",
+            Self::Batch => "batch",
+        }
+    }
+}
+
+/// A structure with a preset, asked at some precisions in some ways.
+#[derive(Clone, Debug)]
+pub(crate) struct Structure {
+    kind: StructureKind,
+    preset: Preset,
+    precisions: Vec<Precision>,
+    interfaces: Vec<Interface>,
+    is_named: bool,
+}
+
+impl Structure {
+    /// `None` if the structure has no such preset. There are precisions and interfaces.
+    pub(crate) fn new(
+        kind: StructureKind,
+        preset: Preset,
+        precisions: &[Precision],
+        interfaces: &[Interface],
+    ) -> Option<Self> {
+        let exists = match kind {
+            StructureKind::Brute => preset == Preset::Balanced,
+            StructureKind::KdTree => preset != Preset::HighQuality,
+            StructureKind::Bsp | StructureKind::Bvh => true,
+        };
+        exists.then(|| Self {
+            kind,
+            preset,
+            precisions: precisions.to_vec(),
+            interfaces: interfaces.to_vec(),
+            is_named: false,
+        })
+    }
+
+    /// Tells whether the user asked for it by name, and so for its time.
+    pub(crate) const fn named(mut self, is_named: bool) -> Self {
+        self.is_named = is_named;
+        self
+    }
+
+    /// Builds the tree alone.
+    fn tree(&self, mesh: &TriangleMesh) -> Result<Tree> {
+        Ok(match self.kind {
+            StructureKind::Brute => Tree::Brute(BruteForce::new(mesh, Precision::default())),
+            StructureKind::Bsp => Tree::Bsp(BspTree::build(mesh, &bsp_options(self.preset))?),
+            StructureKind::KdTree => {
+                Tree::KdTree(KdTree::build(mesh, &kdtree_options(self.preset))?)
+            }
+            StructureKind::Bvh => Tree::Bvh(Bvh::build(mesh, &bvh_options(self.preset))?),
+        })
+    }
+
+    /// The tree for each precision and interface.
+    fn contenders<T>(
+        &self,
+        tree: &T,
+        with_precision: fn(T, Precision) -> T,
+    ) -> Vec<Box<dyn Contender>>
+    where
+        T: RayQuery + Clone + Send + 'static,
+    {
+        let mut contenders: Vec<Box<dyn Contender>> = Vec::new();
+        for precision in &self.precisions {
+            let structure = Arc::new(with_precision(tree.clone(), *precision));
+            for interface in &self.interfaces {
+                let structure = Arc::clone(&structure);
+                contenders.push(match interface {
+                    Interface::Single => Box::new(Single(structure)),
+                    Interface::Batch => Box::new(Batch(structure)),
+                });
+            }
+        }
+        contenders
+    }
+}
+
+/// BSP trees are built over larger meshes only if they are asked for by name: they take minutes.
+const MAX_BSP_TRIANGLES: usize = 300_000;
+
+impl Recipe for Structure {
+    fn max_triangles(&self) -> usize {
+        if self.kind == StructureKind::Bsp && !self.is_named {
+            MAX_BSP_TRIANGLES
+        } else {
+            usize::MAX
+        }
+    }
+
+    fn names(&self) -> Vec<report::Contender> {
+        let name = |precision: Precision, interface: Interface| report::Contender {
+            library: LIBRARY.to_owned(),
+            structure: self.kind.name().to_owned(),
+            preset: self.preset.name().to_owned(),
+            precision: precision.name().to_owned(),
+            simd: "scalar".to_owned(),
+            interface: interface.name().to_owned(),
+        };
+        let precisions = self.precisions.iter();
+        precisions
+            .flat_map(|precision| {
+                self.interfaces
+                    .iter()
+                    .map(|interface| name(*precision, *interface))
+            })
+            .collect()
+    }
+
+    fn build(&self, mesh: &TriangleMesh, _threads: usize) -> Result<Built> {
+        let tree = self.tree(mesh)?;
+        let (contenders, statistics) = match &tree {
+            Tree::Brute(tree) => (
+                self.contenders(tree, BruteForce::with_precision),
+                tree.statistics(),
+            ),
+            Tree::Bsp(tree) => (
+                self.contenders(tree, BspTree::with_precision),
+                tree.statistics(),
+            ),
+            Tree::KdTree(tree) => (
+                self.contenders(tree, KdTree::with_precision),
+                tree.statistics(),
+            ),
+            Tree::Bvh(tree) => (
+                self.contenders(tree, Bvh::with_precision),
+                tree.statistics(),
+            ),
+        };
+        Ok(Built {
+            contenders,
+            bytes: Some(statistics.bytes),
+            tree: Some(tree_row(&statistics)),
+        })
+    }
+
+    fn time_build(&self, mesh: &TriangleMesh, _threads: usize) -> Result<f64> {
+        let start = Instant::now();
+        let tree = self.tree(mesh)?;
+        let seconds = start.elapsed().as_secs_f64();
+        drop(tree);
+        Ok(seconds)
+    }
+}
+
+enum Tree {
+    Brute(BruteForce),
+    Bsp(BspTree),
+    KdTree(KdTree),
+    Bvh(Bvh),
+}
+
+fn bsp_options(preset: Preset) -> BspOptions {
+    match preset {
+        Preset::Fast => BspOptions::fast(),
+        Preset::Balanced => BspOptions::balanced(),
+        Preset::HighQuality => BspOptions::high_quality(),
+    }
+}
+
+fn kdtree_options(preset: Preset) -> KdTreeOptions {
+    match preset {
+        Preset::Fast => KdTreeOptions::fast(),
+        Preset::Balanced | Preset::HighQuality => KdTreeOptions::balanced(),
+    }
+}
+
+fn bvh_options(preset: Preset) -> BvhOptions {
+    match preset {
+        Preset::Fast => BvhOptions::fast(),
+        Preset::Balanced => BvhOptions::balanced(),
+        Preset::HighQuality => BvhOptions::high_quality(),
+    }
+}
+
+fn tree_row(statistics: &TreeStatistics) -> TreeRow {
+    TreeRow {
+        nodes: statistics.nodes,
+        depth: statistics.depth,
+        references_per_triangle: statistics.references_per_primitive(),
+        sah_cost: statistics.sah_cost,
+        end_point_overlap: None,
+        expected_inner_nodes: 0.0,
+        expected_leaves: 0.0,
+        expected_triangle_tests: 0.0,
+    }
+}
+
+/// Asked ray by ray.
+struct Single<T>(Arc<T>);
+
+impl<T: RayQuery + Send> Contender for Single<T> {
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        for (ray, hit) in rays.iter().zip(hits) {
+            *hit = self.0.closest_hit(ray);
+        }
+    }
+
+    fn any_hits(&self, rays: &[Ray], found: &mut [bool]) {
+        for (ray, found) in rays.iter().zip(found) {
+            *found = self.0.any_hit(ray);
+        }
+    }
+
+    fn query(&self) -> Option<&dyn RayQuery> {
+        Some(&*self.0)
+    }
+}
+
+/// Asked many rays at once.
+struct Batch<T>(Arc<T>);
+
+impl<T: RayQuery + Send> Contender for Batch<T> {
+    fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+        self.0.closest_hits(rays, hits);
+    }
+
+    fn any_hits(&self, rays: &[Ray], found: &mut [bool]) {
+        self.0.any_hits(rays, found);
+    }
+
+    fn query(&self) -> Option<&dyn RayQuery> {
+        Some(&*self.0)
+    }
+}

@@ -1,0 +1,327 @@
+//! Rates of contenders that take turns.
+//!
+//! In a round every contender traces the same rays once, another one beginning each time, so that what slows the machine down slows all of them.
+//! A contender for which all rays would take longer than a turn traces pieces of them that are spread evenly over the set. Before each turn an eighth of its
+//! pieces is traced untimed, to fill the caches. On one thread the time is the thread's own: what other programs take does not count.
+
+use std::hint::black_box;
+use std::time::{Duration, Instant};
+
+use rayon::ThreadPool;
+use rayon::prelude::*;
+use tahko_tracer::geometry::{Hit, Ray};
+
+use crate::contender::Contender;
+use crate::report::{RayClass, Sample};
+
+/// How long is measured.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Effort {
+    /// Rounds in which the contenders take turns.
+    pub(crate) rounds: usize,
+    /// About how long a turn takes at most, on each thread.
+    pub(crate) turn: Duration,
+}
+
+/// On how many threads.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Threads<'a> {
+    /// The calling one.
+    One,
+    /// Those of a pool.
+    Pool(&'a ThreadPool),
+}
+
+impl Threads<'_> {
+    pub(crate) fn count(self) -> usize {
+        match self {
+            Self::One => 1,
+            Self::Pool(pool) => pool.current_num_threads(),
+        }
+    }
+}
+
+/// The rays of a class.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Questions<'a> {
+    pub(crate) class: RayClass,
+    pub(crate) rays: &'a [Ray],
+}
+
+/// The most rays that are handed over in one go: enough for a batch to be sorted, and few enough for their hits to stay in the cache.
+const LARGEST_PIECE: usize = 4096;
+/// The fewest.
+const SMALLEST_PIECE: usize = 64;
+/// Pieces at least, for each thread: they are spread over the set and among the threads.
+const PIECES: usize = 8;
+/// The part of the pieces that is traced untimed before each turn.
+const WARM_UP: usize = 8;
+
+/// Million rays per second: for each contender one value a round. `advance` is told after each turn. There are rays.
+pub(crate) fn rates(
+    contenders: &[&dyn Contender],
+    questions: Questions<'_>,
+    threads: Threads<'_>,
+    effort: &Effort,
+    advance: &dyn Fn(),
+) -> Vec<Sample> {
+    let plans: Vec<Plan<'_>> = contenders
+        .iter()
+        .map(|contender| Plan::new(*contender, questions, threads, effort.turn))
+        .collect();
+    let mut rates = vec![Sample::default(); contenders.len()];
+    for round in 0..effort.rounds {
+        for turn in 0..contenders.len() {
+            let index = (turn + round) % contenders.len();
+            rates[index].push(plans[index].rate(threads));
+            advance();
+        }
+    }
+    rates
+}
+
+/// The pieces that a contender traces in its turns.
+struct Plan<'a> {
+    contender: &'a dyn Contender,
+    class: RayClass,
+    pieces: Vec<&'a [Ray]>,
+    rays: usize,
+}
+
+impl<'a> Plan<'a> {
+    fn new(
+        contender: &'a dyn Contender,
+        questions: Questions<'a>,
+        threads: Threads<'_>,
+        turn: Duration,
+    ) -> Self {
+        let Questions { class, rays } = questions;
+        // How fast is it, roughly? More and more rays, until they take a tenth of a turn.
+        let mut count = SMALLEST_PIECE.min(rays.len());
+        let rate = loop {
+            let sample = Self::spread(contender, questions, count, count.div_ceil(PIECES));
+            let seconds = sample.seconds(Threads::One);
+            if count >= rays.len() || seconds > 0.1 * turn.as_secs_f64() {
+                break sample.rays as f64 / seconds.max(f64::MIN_POSITIVE);
+            }
+            count = (count * 4).min(rays.len());
+        };
+        let threads = threads.count();
+        let affordable = rate * turn.as_secs_f64() * threads as f64;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to a length"
+        )]
+        let count = affordable.clamp(1.0, rays.len() as f64) as usize;
+        let piece = (count / (PIECES * threads)).clamp(SMALLEST_PIECE, LARGEST_PIECE);
+        let mut plan = Self::spread(contender, questions, count, piece);
+        plan.class = class;
+        plan
+    }
+
+    /// About `count` rays, in pieces that are spread evenly over the set.
+    fn spread(
+        contender: &'a dyn Contender,
+        Questions { class, rays }: Questions<'a>,
+        count: usize,
+        piece: usize,
+    ) -> Self {
+        let all: Vec<&[Ray]> = rays.chunks(piece.max(1)).collect();
+        let wanted = count.div_ceil(piece.max(1)).clamp(1, all.len().max(1));
+        // The places i * all / wanted, rounded down, are all different and spread from the first to the last.
+        let pieces: Vec<&[Ray]> = (0..wanted)
+            .map(|index| all[index * all.len() / wanted])
+            .collect();
+        Self {
+            contender,
+            class,
+            rays: pieces.iter().map(|piece| piece.len()).sum(),
+            pieces,
+        }
+    }
+
+    /// Million rays per second in one turn.
+    fn rate(&self, threads: Threads<'_>) -> f64 {
+        let warm_up = self.pieces.len().div_ceil(WARM_UP);
+        self.trace(&self.pieces[..warm_up], threads);
+        self.rays as f64 / self.seconds(threads) / 1e6
+    }
+
+    fn seconds(&self, threads: Threads<'_>) -> f64 {
+        match threads {
+            Threads::One => {
+                let start = thread_time();
+                self.trace(&self.pieces, threads);
+                (thread_time() - start).as_secs_f64()
+            }
+            Threads::Pool(_) => {
+                let start = Instant::now();
+                self.trace(&self.pieces, threads);
+                start.elapsed().as_secs_f64()
+            }
+        }
+    }
+
+    fn trace(&self, pieces: &[&[Ray]], threads: Threads<'_>) {
+        let mut answers = Answers::default();
+        match threads {
+            Threads::One => {
+                for rays in pieces {
+                    answers.ask(self.contender, self.class, rays);
+                }
+            }
+            Threads::Pool(pool) => pool.install(|| {
+                pieces
+                    .par_iter()
+                    .for_each_init(Answers::default, |answers, rays| {
+                        answers.ask(self.contender, self.class, rays);
+                    });
+            }),
+        }
+    }
+}
+
+/// Room for the answers to a piece.
+#[derive(Default)]
+struct Answers {
+    hits: Vec<Option<Hit>>,
+    found: Vec<bool>,
+}
+
+impl Answers {
+    fn ask(&mut self, contender: &dyn Contender, class: RayClass, rays: &[Ray]) {
+        if class.asks_any() {
+            self.found.resize(rays.len(), false);
+            contender.any_hits(rays, &mut self.found);
+            black_box(&self.found);
+        } else {
+            self.hits.resize(rays.len(), None);
+            contender.closest_hits(rays, &mut self.hits);
+            black_box(&self.hits);
+        }
+    }
+}
+
+/// The processor time of this thread; where the system does not tell it, the time since the program's first look at the clock.
+fn thread_time() -> Duration {
+    #[cfg(unix)]
+    {
+        let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+        // Neither is negative, and the second is below a thousand million.
+        let seconds = u64::try_from(time.tv_sec).unwrap_or(0);
+        let nanoseconds = u32::try_from(time.tv_nsec).unwrap_or(0);
+        Duration::new(seconds, nanoseconds)
+    }
+    #[cfg(not(unix))]
+    {
+        static START: std::sync::OnceLock<Instant> = std::sync::OnceLock::new();
+        START.get_or_init(Instant::now).elapsed()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use tahko_tracer::geometry::glam::Vec3;
+
+    use super::*;
+
+    /// Takes note of the rays that it is asked.
+    #[derive(Default)]
+    struct Recorder {
+        asked: Mutex<Vec<f32>>,
+    }
+
+    impl Contender for Recorder {
+        fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+            assert_eq!(rays.len(), hits.len());
+            self.asked
+                .lock()
+                .unwrap()
+                .extend(rays.iter().map(|ray| ray.origin.x));
+        }
+
+        fn any_hits(&self, rays: &[Ray], found: &mut [bool]) {
+            assert_eq!(rays.len(), found.len());
+        }
+    }
+
+    fn rays(count: u16) -> Vec<Ray> {
+        (0..count)
+            .map(|index| Ray::new(Vec3::X * f32::from(index), Vec3::Y))
+            .collect()
+    }
+
+    fn questions(rays: &[Ray]) -> Questions<'_> {
+        Questions {
+            class: RayClass::Random,
+            rays,
+        }
+    }
+
+    #[test]
+    fn a_part_of_the_rays_is_spread_over_all_of_them() {
+        let rays = rays(6400);
+        let recorder = Recorder::default();
+        let plan = Plan::spread(&recorder, questions(&rays), 640, 64);
+        assert_eq!(plan.rays, 640);
+        plan.trace(&plan.pieces, Threads::One);
+        let asked = recorder.asked.into_inner().unwrap();
+        let mut sorted = asked.clone();
+        sorted.dedup();
+        assert_eq!(sorted.len(), 640, "each ray once");
+        let mean = asked.iter().sum::<f32>() / 640.0;
+        assert!((mean - 3200.0).abs() < 640.0, "{mean}");
+    }
+
+    #[test]
+    fn all_rays_are_traced_where_there_is_time_on_one_thread_and_on_several() {
+        let rays = rays(1000);
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(2)
+            .build()
+            .unwrap();
+        for threads in [Threads::One, Threads::Pool(&pool)] {
+            let recorder = Recorder::default();
+            let turn = Duration::from_secs(1000);
+            let plan = Plan::new(&recorder, questions(&rays), threads, turn);
+            recorder.asked.lock().unwrap().clear();
+            plan.trace(&plan.pieces, threads);
+            let mut asked = recorder.asked.lock().unwrap().clone();
+            asked.sort_by(f32::total_cmp);
+            assert!(
+                asked.iter().copied().eq((0..1000u16).map(f32::from)),
+                "{threads:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn every_contender_gets_a_rate_in_every_round() {
+        let rays = rays(100);
+        let contenders = [Recorder::default(), Recorder::default()];
+        let contenders: Vec<&dyn Contender> =
+            contenders.iter().map(|c| c as &dyn Contender).collect();
+        let effort = Effort {
+            rounds: 3,
+            turn: Duration::from_millis(1),
+        };
+        let turns = std::cell::Cell::new(0);
+        let advance = || turns.set(turns.get() + 1);
+        let rates = rates(
+            &contenders,
+            questions(&rays),
+            Threads::One,
+            &effort,
+            &advance,
+        );
+        assert!(
+            rates
+                .iter()
+                .all(|rate| rate.values().len() == 3 && rate.low() > 0.0)
+        );
+        assert_eq!(turns.get(), 6);
+    }
+}
