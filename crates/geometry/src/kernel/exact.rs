@@ -19,7 +19,9 @@
 //! It also throws out what is certainly hit outside the interval, if the determinant is certain: `(f . n)` carries one more rounding than the
 //! others, which its bound covers, and is compared with `t_max` times the determinant, or with zero where `t_min` is not negative. This
 //! is a product of three lengths on each side, so it is left to f64 unless all lengths are below `2^30`, and those below
-//! `2^-30` count as that in its bound; likewise a scaled `t_max`.
+//! `2^-30` count as that in its bound; likewise a scaled `t_max`. A best `t` may be beyond the largest f32, to which it was rounded, and a nearer
+//! one too: neither is thrown out, as with these lengths `(f . n)` is below `2^50` certain determinants, and that limit
+//! above `2^67` of them.
 //!
 //! **The f64 rung** computes the same terms with the same bounds, for `u = 2^-53`, where f32 input can neither overflow nor underflow. It decides where the
 //! weights are certain, where `t` rounds to the same f32 at both ends of its error, and where that is neither end of the ray's
