@@ -6,8 +6,8 @@ use std::ops::RangeInclusive;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    GenerateError, GeneratedScene, city, gears, lattice, mount, needles, rings, sphereflake,
-    teapot, terrain, tetra, tree,
+    GenerateError, GeneratedScene, city, cylinders, gears, hairball, lattice, mount, needles,
+    rings, sphereflake, teapot, terrain, tetra, tree,
 };
 
 /// A procedural scene.
@@ -39,6 +39,10 @@ pub enum Generator {
     Tree,
     /// Spheres at grid points, joined by cylinders.
     Lattice,
+    /// Curled strands that grow out of a sphere.
+    Hairball,
+    /// Thin cylinders along the diagonals of a cube, each a bundle of slivers as long as the scene.
+    Cylinders,
 }
 
 /// What a generator's module tells about it. The functions are called with sizes in range only.
@@ -56,7 +60,7 @@ pub(super) struct Recipe {
 
 impl Generator {
     /// All generators.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 14] = [
         Self::Sphereflake,
         Self::Terrain,
         Self::City,
@@ -69,6 +73,8 @@ impl Generator {
         Self::Tetra,
         Self::Tree,
         Self::Lattice,
+        Self::Hairball,
+        Self::Cylinders,
     ];
 
     /// No size of any generator makes more triangles.
@@ -183,6 +189,8 @@ impl Generator {
             Self::Tetra => &tetra::TETRA,
             Self::Tree => &tree::TREE,
             Self::Lattice => &lattice::LATTICE,
+            Self::Hairball => &hairball::HAIRBALL,
+            Self::Cylinders => &cylinders::CYLINDERS,
         }
     }
 }

@@ -20,9 +20,11 @@
 //! additions. What differs: curved surfaces are tessellated, and the trees' proportions, colours, views and lights are our own.
 
 mod city;
+mod cylinders;
 mod error;
 mod gears;
 mod generator;
+mod hairball;
 mod height_field;
 mod lattice;
 mod mesh_builder;

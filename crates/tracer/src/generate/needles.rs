@@ -22,7 +22,7 @@ pub(super) const NEEDLES: Recipe = Recipe {
 };
 
 /// The diagonals, each with the name and colour of its needles.
-const DIAGONALS: [([f32; 3], &str, [f32; 3]); 4] = [
+pub(super) const DIAGONALS: [([f32; 3], &str, [f32; 3]); 4] = [
     ([1.0, 1.0, 1.0], "needles along +++", [0.8, 0.35, 0.2]),
     ([-1.0, 1.0, 1.0], "needles along -++", [0.25, 0.5, 0.75]),
     ([1.0, 1.0, -1.0], "needles along ++-", [0.75, 0.65, 0.25]),

@@ -194,6 +194,11 @@ fn the_classic_counts_come_out() {
     count(Generator::Lattice, 12, &[(2197, 80), (6084, 12)]);
     count(Generator::Rings, 7, &[(8400, 80), (8400, 12), (1, 2)]);
     count(Generator::Gears, 4, &[(64, 384), (1, 2)]);
+    // The sizes of the scenes for the benchmark.
+    count(Generator::Hairball, 1667, &[(1667, 300)]);
+    count(Generator::Hairball, 6667, &[(6667, 300)]);
+    count(Generator::Cylinders, 3126, &[(3126, 32)]);
+    count(Generator::Terrain, 1000, &[(1, 2_000_002)]);
 }
 
 #[test]
