@@ -88,6 +88,7 @@ mod tests {
             "scenes/b.glb",
             "scenes/a.ron",
             "scenes/meshes/c.glb",
+            "scenes/bench/e.ron",
             "scenes/README.md",
             "other/d.ron",
         ]);
