@@ -1,6 +1,6 @@
 //! Statistics of a tree.
 
-use tahko_geometry::{Plane, TreeStatistics};
+use tahko_geometry::{ExpectedVisits, Plane, TreeStatistics};
 
 use crate::cell::Cell;
 use crate::node::{Child, Link, List, ListedTriangle, Node};
@@ -28,12 +28,13 @@ pub struct BspStatistics {
 impl BspTree {
     /// What the tree looks like and what a random ray is expected to cost in it.
     ///
-    /// Leaves without triangles count as nodes, though they take no memory. Probabilities of the cost are ratios of the
-    /// surface areas of the convex cells; the cell of what lies in a splitting plane is the cut, with two sides. Where the
+    /// Leaves without triangles count as nodes, though they take no memory, but not as visited: their parents mark them. Probabilities
+    /// are ratios of the surface areas of the convex cells; the cell of what lies in a splitting plane is the cut, with two sides. Where the
     /// bounds have no area (all triangles on a line along an axis), every node counts as visited.
     /// Cost: O(nodes), some microseconds each.
     #[must_use]
     pub fn statistics(&self) -> TreeStatistics {
+        let expected_visits = self.expected_visits();
         TreeStatistics {
             primitives: self.primitives,
             nodes: self.node_count(),
@@ -46,7 +47,8 @@ impl BspTree {
                 + size_of::<List>() * self.leaves.len()
                 + size_of::<u32>() * self.references.len()
                 + size_of::<ListedTriangle>() * self.triangles.len(),
-            sah_cost: self.sah_cost(),
+            expected_visits,
+            sah_cost: expected_visits.cost(self.options().traversal_cost),
         }
     }
 
@@ -73,36 +75,29 @@ impl BspTree {
         }
     }
 
-    fn sah_cost(&self) -> f64 {
+    fn expected_visits(&self) -> ExpectedVisits {
+        let mut visits = ExpectedVisits::default();
         if self.bounds().is_empty() {
-            return 0.0;
+            return visits;
         }
         let root = Cell::from_aabb(&self.bounds());
         let root_area = root.area();
-        let probability = |area: f64| {
-            if root_area > 0.0 {
-                area / root_area
-            } else {
-                1.0
-            }
-        };
-        let mut cost = 0.0;
         let mut pending: Vec<(Child, Cell)> = vec![(self.root, root)];
         while let Some((child, cell)) = pending.pop() {
-            let area = cell.area();
+            let probability = || ExpectedVisits::probability(cell.area(), root_area);
             match child.link() {
                 Link::Empty => {}
                 Link::Leaf(index) => {
-                    cost += probability(area) * f64::from(self.leaves[index].count);
+                    visits.add_leaf(probability(), self.leaves[index].count as usize);
                 }
                 Link::Inner(index) => {
                     let node = &self.nodes[index];
-                    cost += probability(area) * self.options().traversal_cost;
+                    visits.add_inner_node(probability());
                     pending.extend(node.children.into_iter().zip(cell.cut(&node.plane)));
                 }
             }
         }
-        cost
+        visits
     }
 }
 

@@ -179,9 +179,17 @@ fn statistics_of_two_rooms_are_those_of_one_plane() {
         assert_eq!((special.coplanar, special.axis_planes), (1, 1));
         assert_eq!((special.large_leaves, special.largest_leaf), (0, 2));
         // The bounds are 5 x 4 x 4, cut 3 : 2 by the wall: 1 plane, 2 triangles on each side, 1 in the cut.
-        let cost = (2.0 * 80.0 + 2.0 * 64.0 + 1.0 * 32.0) / 112.0;
-        let stated = statistics.sah_cost - options.traversal_cost;
-        assert!((stated - cost).abs() < 1e-12, "{stated} {cost}");
+        let visits = statistics.expected_visits;
+        let leaves = (80.0 + 64.0 + 32.0) / 112.0;
+        let tests = (2.0 * 80.0 + 2.0 * 64.0 + 1.0 * 32.0) / 112.0;
+        for (found, expected) in [
+            (visits.inner_nodes, 1.0),
+            (visits.leaves, leaves),
+            (visits.triangle_tests, tests),
+            (statistics.sah_cost, options.traversal_cost + tests),
+        ] {
+            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+        }
     }
 }
 

@@ -1,9 +1,9 @@
 //! Statistics of a tree.
 
-use tahko_geometry::TreeStatistics;
+use tahko_geometry::{ExpectedVisits, TreeStatistics};
 
 use crate::Bvh;
-use crate::node::{LeafTriangle, Node, Siblings};
+use crate::node::{LeafTriangle, Siblings};
 
 impl Bvh {
     /// What the tree looks like and what a random ray is expected to cost in it.
@@ -13,6 +13,7 @@ impl Bvh {
     #[must_use]
     pub fn statistics(&self) -> TreeStatistics {
         let layout = self.layout();
+        let expected_visits = self.expected_visits();
         let leaves = layout.nodes().filter(|node| node.is_leaf()).count();
         TreeStatistics {
             primitives: layout.triangles.len(),
@@ -24,26 +25,27 @@ impl Bvh {
             bytes: size_of_val(&layout.root)
                 + size_of::<Siblings>() * layout.siblings.len()
                 + size_of::<LeafTriangle>() * layout.triangles.len(),
-            sah_cost: self.sah_cost(),
+            expected_visits,
+            sah_cost: expected_visits.cost(self.inner_node_cost()),
         }
     }
 
-    fn sah_cost(&self) -> f64 {
+    /// What an inner node costs, in triangle tests.
+    pub(crate) fn inner_node_cost(&self) -> f64 {
+        self.options().traversal_cost / self.options().intersection_cost
+    }
+
+    fn expected_visits(&self) -> ExpectedVisits {
+        let mut visits = ExpectedVisits::default();
         let root_area = self.bounds().half_area();
-        let inner_cost = self.options().traversal_cost / self.options().intersection_cost;
-        let cost = |node: &Node| {
-            let probability = if root_area > 0.0 {
-                node.bounds().half_area() / root_area
+        for node in self.layout().nodes() {
+            let probability = ExpectedVisits::probability(node.bounds().half_area(), root_area);
+            if node.is_leaf() {
+                visits.add_leaf(probability, node.count());
             } else {
-                1.0
-            };
-            let visit = if node.is_leaf() {
-                node.count() as f64
-            } else {
-                inner_cost
-            };
-            probability * visit
-        };
-        self.layout().nodes().map(cost).sum()
+                visits.add_inner_node(probability);
+            }
+        }
+        visits
     }
 }

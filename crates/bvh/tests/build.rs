@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use tahko_bvh::{BuildError, Bvh, BvhOptions};
 use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
-use tahko_geometry::{Precision, TreeStatistics, TriangleMesh, glam::Vec3};
+use tahko_geometry::{ExpectedVisits, Precision, TreeStatistics, TriangleMesh, glam::Vec3};
 
 /// Small triangles at places that a linear congruential generator picks: the same on every machine.
 fn scattered(count: usize) -> TriangleMesh {
@@ -131,10 +131,33 @@ fn statistics_of_one_triangle_are_those_of_one_leaf() {
         depth: 1,
         references: 1,
         bytes: statistics.bytes,
+        expected_visits: ExpectedVisits {
+            inner_nodes: 0.0,
+            leaves: 1.0,
+            triangle_tests: 1.0,
+        },
         sah_cost: 1.0,
     };
     assert_eq!(statistics, expected);
     assert!((40..=128).contains(&statistics.bytes), "{statistics:?}");
+}
+
+#[test]
+fn expected_visits_are_ratios_of_areas() {
+    // Flat boxes of 1 x 1, at the ends of one of 4 x 1: half areas 1, 1 and 4.
+    let triangle = |x: f32| [Vec3::X * x, Vec3::X * (x + 1.0), Vec3::X * x + Vec3::Y];
+    let mesh = soup(vec![triangle(0.0), triangle(3.0)]);
+    let options = BvhOptions::default()
+        .with_max_leaf_size(1)
+        .with_costs(3.0, 2.0);
+    let statistics = build(&mesh, &options).statistics();
+    let expected = ExpectedVisits {
+        inner_nodes: 1.0,
+        leaves: 0.5,
+        triangle_tests: 0.5,
+    };
+    assert_eq!(statistics.expected_visits, expected);
+    assert_eq!(statistics.sah_cost, 1.5 + 0.5);
 }
 
 #[test]

@@ -1,8 +1,8 @@
 //! The reference: every triangle is tested.
 
 use crate::{
-    HitCollector, Precision, Ray, TraversalCounter, Traverse, TreeStatistics, Triangle,
-    TriangleKernel, TriangleMesh, query::test_triangle,
+    ExpectedVisits, HitCollector, Precision, Ray, TraversalCounter, Traverse, TreeStatistics,
+    Triangle, TriangleKernel, TriangleMesh, query::test_triangle,
 };
 
 /// Tests every triangle: the structure without structure, which all others are held against.
@@ -45,11 +45,16 @@ impl BruteForce {
     #[must_use]
     pub fn statistics(&self) -> TreeStatistics {
         let count = self.triangles.len();
+        let expected_visits = ExpectedVisits {
+            triangle_tests: count as f64,
+            ..ExpectedVisits::default()
+        };
         TreeStatistics {
             primitives: count,
             references: count,
             bytes: size_of_val(self.triangles.as_slice()),
-            sah_cost: count as f64,
+            expected_visits,
+            sah_cost: expected_visits.cost(0.0),
             ..TreeStatistics::default()
         }
     }

@@ -102,7 +102,7 @@ pub use query::{
     TraversalCounter, Traverse, test_triangle,
 };
 pub use ray::Ray;
-pub use statistics::TreeStatistics;
+pub use statistics::{ExpectedVisits, TreeStatistics};
 pub use surface_point::SurfacePoint;
 pub use transform::Transform;
 pub use triangle::Triangle;

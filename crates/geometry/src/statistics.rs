@@ -1,9 +1,6 @@
 //! What a structure looks like and what it costs.
 
 /// Statistics of a built structure.
-///
-/// Costs follow the surface area heuristic: a random ray that meets the bounds of the structure visits a
-/// node with a probability equal to the ratio of the areas of their bounding polytopes.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TreeStatistics {
     /// Triangles that the structure was built from.
@@ -20,7 +17,9 @@ pub struct TreeStatistics {
     pub references: usize,
     /// Memory that queries need, in bytes, the copies of the triangles included.
     pub bytes: usize,
-    /// Expected cost of a random ray, in units of one triangle test.
+    /// What a random line is expected to visit.
+    pub expected_visits: ExpectedVisits,
+    /// The cost of these visits in units of one triangle test, with the cost of an inner node that the tree was built with.
     pub sah_cost: f64,
 }
 
@@ -35,6 +34,54 @@ impl TreeStatistics {
     #[must_use]
     pub fn bytes_per_primitive(&self) -> f64 {
         ratio(self.bytes, self.primitives)
+    }
+}
+
+/// What a random line that meets the bounds of a structure is expected to visit, by the surface area heuristic.
+///
+/// Such a line meets a convex cell inside the bounds with a probability equal to the ratio of their surface areas, so each
+/// number is a sum of these ratios. The line is endless and hits nothing: a ray that ends at a hit or begins inside
+/// the bounds visits less. `inner_nodes + leaves` is what [`QueryCounts::node_visits`](crate::QueryCounts::node_visits) counts, and
+/// `triangle_tests` is its namesake there.
+///
+/// Source: Wald, Havran, *On building fast kd-trees for ray tracing, and on doing that in O(N log N)*, 2006, table 1: `E_T`, `E_L`
+/// and `E_I`.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ExpectedVisits {
+    /// Inner nodes (`E_T`).
+    pub inner_nodes: f64,
+    /// Leaves (`E_L`), empty ones included where queries count them as visited.
+    pub leaves: f64,
+    /// Triangle tests (`E_I`), were each triangle tested in every leaf that lists it.
+    pub triangle_tests: f64,
+}
+
+impl ExpectedVisits {
+    /// The probability of a cell, given surface areas. Bounds without area leave it undefined: then every cell counts as visited.
+    #[must_use]
+    pub fn probability(area: f64, bounds_area: f64) -> f64 {
+        if bounds_area > 0.0 {
+            area / bounds_area
+        } else {
+            1.0
+        }
+    }
+
+    /// Adds an inner node that is visited with a probability.
+    pub fn add_inner_node(&mut self, probability: f64) {
+        self.inner_nodes += probability;
+    }
+
+    /// Adds a leaf that is visited with a probability and lists some triangles.
+    pub fn add_leaf(&mut self, probability: f64, triangles: usize) {
+        self.leaves += probability;
+        self.triangle_tests += probability * triangles as f64;
+    }
+
+    /// The cost in units of one triangle test, given that of an inner node.
+    #[must_use]
+    pub fn cost(&self, inner_node_cost: f64) -> f64 {
+        inner_node_cost * self.inner_nodes + self.triangle_tests
     }
 }
 

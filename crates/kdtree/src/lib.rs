@@ -33,8 +33,8 @@
 //! # Options
 //! [`KdTreeOptions::balanced`], the default, builds with the surface area heuristic in `O(n log n)` (Wald and Havran
 //! 2006): events are sorted once, triangles are clipped to their cells, and cutting off empty space is rewarded.
-//! [`KdTreeOptions::fast`] splits in the middle. [`SplitPolicy`] has the others; [`KdTree::statistics`] and
-//! [`KdTree::expected_visits`] tell what came out.
+//! [`KdTreeOptions::fast`] splits in the middle. [`SplitPolicy`] has the others; [`KdTree::statistics`] tells
+//! what came out.
 //!
 //! # Features
 //! - `parallel` (default): build on the threads of the current rayon pool.
@@ -49,6 +49,5 @@ mod tree;
 mod validate;
 
 pub use options::{AxisChoice, BuildError, KdTreeOptions, SplitPolicy};
-pub use statistics::ExpectedVisits;
 pub use tree::KdTree;
 pub use validate::ValidationError;
