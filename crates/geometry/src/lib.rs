@@ -71,6 +71,7 @@
 mod aabb;
 mod axis;
 mod brute_force;
+mod clipped_triangle;
 mod conservative_ray;
 pub mod kernel;
 mod mesh;
@@ -91,6 +92,7 @@ mod triangle;
 pub use aabb::Aabb;
 pub use axis::Axis;
 pub use brute_force::BruteForce;
+pub use clipped_triangle::{ClippedTriangle, ClippedVertex};
 pub use conservative_ray::{ConservativeRay, Interval};
 pub use glam;
 pub use kernel::{Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop};

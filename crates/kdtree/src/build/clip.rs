@@ -1,14 +1,11 @@
 //! The box of the part of a triangle in a cell: the "perfect split" of Wald and Havran.
 //!
 //! The box may be too large, never too small: a triangle that a cell does not list although it touches it would
-//! be lost to rays. The triangle is cut in f64 by those of the cell's six planes that it crosses (Sutherland
-//! and Hodgman). For one coordinate let `M` be the largest magnitude among the vertices, and `u = 2^-53`.
+//! be lost to rays. The triangle is cut in f64 by those of the cell's six planes that it crosses
+//! ([`ClippedTriangle`]). For one coordinate let `M` be the largest magnitude among the vertices, and `u = 2^-53`.
 //!
-//! **Error of a cut point.** The distances of two vertices from a plane have a relative error of `u` each and
-//! opposite signs, so the weight `d1 / (d1 - d2)` has a relative error of `4u`, and the point `a + weight (b - a)` an
-//! error below `14 u M`, whatever the angle between edge and plane. Call the exact point on the exact edge with the
-//! computed weight its *shadow*; the triangle's vertices are their own shadows. Shadows lie in the triangle's
-//! plane, and after six cuts every vertex is within `d = 84 u M` of its shadow.
+//! Call the exact point on the exact edge with the weight that a cut computes its *shadow*; the triangle's vertices are their own
+//! shadows. Shadows lie in the triangle's plane, and after six cuts every vertex is within `d = 84 u M` of its shadow.
 //!
 //! **Nothing is cut away.** Each plane is first moved outwards by `2^-45 M = 256 u M`. A cut replaces a run of the boundary
 //! by a chord. The shadows of both lie where the coordinate is beyond the moved plane less `2d`, hence beyond the
@@ -17,120 +14,43 @@
 //! vertex. The box around vertices, with `2^-45 M` to both sides of cut points, contains the shadow.
 //! Then it is rounded outwards to f32 and cut down to the triangle's own box and to the cell.
 
-use tahko_geometry::glam::{DVec3, Vec3};
-use tahko_geometry::{Aabb, Triangle};
+use tahko_geometry::glam::DVec3;
+use tahko_geometry::{Aabb, ClippedTriangle, Triangle};
 
 /// The bound on the error of a cut point, relative to the largest magnitude of the coordinate: `2^-45`.
 const RELATIVE_ERROR: f64 = 1.0 / (1u64 << 45) as f64;
-
-/// A triangle cut by six planes has at most nine vertices. Should rounding bend a polygon so that it gets more, its
-/// box becomes the whole cell.
-const MAX_VERTICES: usize = 9;
-
-/// A vertex of the cut triangle.
-#[derive(Clone, Copy, Default)]
-struct Vertex {
-    position: DVec3,
-    /// Whether it is a point where an edge was cut.
-    is_cut: bool,
-}
-
-#[derive(Clone, Copy, Default)]
-struct CutTriangle {
-    vertices: [Vertex; MAX_VERTICES],
-    /// Above `MAX_VERTICES` when they do not fit.
-    count: usize,
-}
 
 /// A box around the part of a triangle that lies in the closed cell; `None` if there is certainly no such part.
 pub(super) fn clipped_bounds(triangle: &Triangle, cell: &Aabb) -> Option<Aabb> {
     let bounds = triangle.aabb();
     let magnitude = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     let error = magnitude * RELATIVE_ERROR;
-    let mut polygon = CutTriangle::new(triangle);
-    for axis in 0..3 {
-        if bounds.min[axis] < cell.min[axis] {
-            polygon.cut(axis, f64::from(cell.min[axis]) - error[axis], 1.0);
-        }
-        if bounds.max[axis] > cell.max[axis] {
-            polygon.cut(axis, f64::from(cell.max[axis]) + error[axis], -1.0);
-        }
-    }
-    let clipped = polygon
-        .bounds(error)?
+    let part = ClippedTriangle::new(
+        triangle,
+        cell.min.as_dvec3() - error,
+        cell.max.as_dvec3() + error,
+    );
+    let clipped = bounds_of(&part, error)?
         .intersection(bounds)
         .intersection(*cell);
     (!clipped.is_empty()).then_some(clipped)
 }
 
-impl CutTriangle {
-    fn new(triangle: &Triangle) -> Self {
-        let mut polygon = Self {
-            count: 3,
-            ..Self::default()
-        };
-        for (vertex, corner) in polygon.vertices.iter_mut().zip(triangle.vertices()) {
-            vertex.position = corner.as_dvec3();
-        }
-        polygon
+/// The box around a polygon; `None` if nothing is left of it.
+fn bounds_of(part: &ClippedTriangle, error: DVec3) -> Option<Aabb> {
+    let mut min = DVec3::INFINITY;
+    let mut max = DVec3::NEG_INFINITY;
+    for vertex in part.vertices() {
+        let margin = if vertex.is_cut { error } else { DVec3::ZERO };
+        min = min.min(vertex.position - margin);
+        max = max.max(vertex.position + margin);
     }
-
-    /// Keeps the part where the coordinate times `side` is at least the plane's times `side`.
-    fn cut(&mut self, axis: usize, plane: f64, side: f64) {
-        if self.count > MAX_VERTICES {
-            return;
-        }
-        let mut kept = Self::default();
-        let distance = |vertex: &Vertex| (vertex.position[axis] - plane) * side;
-        let mut previous = self.vertices[self.count.saturating_sub(1)];
-        let mut previous_distance = distance(&previous);
-        for vertex in self.vertices.iter().take(self.count) {
-            let current_distance = distance(vertex);
-            if (current_distance < 0.0) != (previous_distance < 0.0) {
-                let weight = previous_distance / (previous_distance - current_distance);
-                let mut position =
-                    previous.position + weight * (vertex.position - previous.position);
-                position[axis] = plane;
-                kept.push(Vertex {
-                    position,
-                    is_cut: true,
-                });
-            }
-            if current_distance >= 0.0 {
-                kept.push(*vertex);
-            }
-            previous = *vertex;
-            previous_distance = current_distance;
-        }
-        *self = kept;
-    }
-
-    fn push(&mut self, vertex: Vertex) {
-        if let Some(free) = self.vertices.get_mut(self.count) {
-            *free = vertex;
-        }
-        self.count += 1;
-    }
-
-    /// The box around the polygon; `None` if nothing is left of it.
-    fn bounds(&self, error: DVec3) -> Option<Aabb> {
-        let Some(vertices) = self.vertices.get(..self.count) else {
-            return Some(Aabb::new(Vec3::MIN, Vec3::MAX));
-        };
-        let mut min = DVec3::INFINITY;
-        let mut max = DVec3::NEG_INFINITY;
-        for vertex in vertices {
-            let margin = if vertex.is_cut { error } else { DVec3::ZERO };
-            min = min.min(vertex.position - margin);
-            max = max.max(vertex.position + margin);
-        }
-        (self.count > 0).then(|| {
-            Aabb::new(
-                min.to_array().map(round_down).into(),
-                max.to_array().map(round_up).into(),
-            )
-        })
-    }
+    (!part.vertices().is_empty()).then(|| {
+        Aabb::new(
+            min.to_array().map(round_down).into(),
+            max.to_array().map(round_up).into(),
+        )
+    })
 }
 
 fn round_down(value: f64) -> f32 {
@@ -153,6 +73,7 @@ fn round_up(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use tahko_geometry::glam::Vec3;
     use tahko_geometry::test_support::{grid_point, point};
 
     use super::*;
