@@ -237,9 +237,9 @@ fn tree_row(statistics: &TreeStatistics) -> TreeRow {
         references_per_triangle: statistics.references_per_primitive(),
         sah_cost: statistics.sah_cost,
         end_point_overlap: None,
-        expected_inner_nodes: 0.0,
-        expected_leaves: 0.0,
-        expected_triangle_tests: 0.0,
+        expected_inner_nodes: statistics.expected_visits.inner_nodes,
+        expected_leaves: statistics.expected_visits.leaves,
+        expected_triangle_tests: statistics.expected_visits.triangle_tests,
     }
 }
 
