@@ -1,7 +1,7 @@
 //! `tahko-bench`: speed, and in the same row the error that was measured in the same run.
 //!
 //! `cargo xtask bench` runs this program. Tables go to stdout, progress to stderr, reports to a folder.
-#![forbid(unsafe_code)]
+#![cfg_attr(not(feature = "peers"), forbid(unsafe_code))]
 #![expect(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -14,6 +14,8 @@ mod contender;
 mod errors;
 mod machine;
 mod measure;
+#[cfg(feature = "peers")]
+mod peers;
 mod progress;
 mod promises;
 mod rays;
