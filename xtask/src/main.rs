@@ -12,6 +12,7 @@
 mod bench;
 mod ci;
 mod golden;
+mod peers;
 mod table;
 mod tidy;
 mod workspace;
@@ -36,9 +37,11 @@ enum Command {
     Golden(golden::Arguments),
     /// Check the repository's own rules
     Tidy,
-    /// Run the benchmark program; all arguments are passed on
+    /// Run the benchmark program; all arguments are passed on, and `--peers` compiles other libraries in
     #[command(disable_help_flag = true)]
     Bench(bench::Arguments),
+    /// Install Embree for `bench --peers`, and print the path of its library
+    Peers,
     /// Run all checks, as continuous integration does
     Ci(ci::Arguments),
 }
@@ -59,6 +62,7 @@ fn run(arguments: &Arguments) -> anyhow::Result<ExitCode> {
         Command::Golden(arguments) => golden::run(&workspace, arguments).map(passed),
         Command::Tidy => tidy::run(&workspace).map(passed),
         Command::Bench(arguments) => bench::run(&workspace, arguments),
+        Command::Peers => peers::run(&workspace).map(|()| ExitCode::SUCCESS),
         Command::Ci(arguments) => ci::run(&workspace, arguments).map(passed),
     }
 }
