@@ -58,7 +58,7 @@ impl Recipe for SvenstaroBvh {
                 Box::new(DepthFirst { built, fits }),
             ],
             bytes: Some(bytes),
-            statistics: None,
+            tree: None,
         })
     }
 }

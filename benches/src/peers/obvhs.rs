@@ -88,7 +88,7 @@ impl Recipe for Obvhs {
         Ok(Built {
             contenders: vec![contender],
             bytes: Some(bytes),
-            statistics: None,
+            tree: None,
         })
     }
 }

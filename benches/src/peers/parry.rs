@@ -32,7 +32,7 @@ impl Recipe for Parry {
         Ok(Built {
             contenders: vec![Box::new(Traced(mesh))],
             bytes: Some(bytes),
-            statistics: None,
+            tree: None,
         })
     }
 }

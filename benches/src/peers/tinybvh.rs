@@ -57,7 +57,7 @@ impl Recipe for TinyBvh {
         Ok(Built {
             contenders: vec![Box::new(Traced(wide))],
             bytes: None,
-            statistics: None,
+            tree: None,
         })
     }
 }

@@ -113,7 +113,7 @@ impl Recipe for EmbreeRecipe {
         Ok(Built {
             contenders,
             bytes: Some(bytes),
-            statistics: None,
+            tree: None,
         })
     }
 }
