@@ -41,6 +41,7 @@ mod bvh;
 mod layout;
 mod node;
 mod options;
+mod overlap;
 mod parallel;
 mod statistics;
 mod traverse;

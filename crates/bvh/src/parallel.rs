@@ -1,5 +1,7 @@
 //! The only place that knows of threads. Nothing here lets their number reach a result.
 
+use std::ops::Range;
+
 /// Runs two tasks, at the same time where the `parallel` feature is on.
 #[cfg(feature = "parallel")]
 fn join<A: Send, B: Send>(
@@ -60,4 +62,21 @@ pub(crate) fn reduce<T: Sync, R: Send>(
     let (front, back) = items.split_at(items.len() / 2);
     let (front, back) = join(|| reduce(front, map, merge), || reduce(back, map, merge));
     merge(front, back)
+}
+
+/// Sums a function over a range, at most `chunk` values in a task, in an order that depends on the range alone.
+pub(crate) fn sum(
+    range: Range<usize>,
+    chunk: usize,
+    value: &(impl Fn(usize) -> f64 + Sync),
+) -> f64 {
+    if range.len() <= chunk {
+        return range.map(value).sum();
+    }
+    let middle = range.start + range.len() / 2;
+    let (front, back) = join(
+        || sum(range.start..middle, chunk, value),
+        || sum(middle..range.end, chunk, value),
+    );
+    front + back
 }
