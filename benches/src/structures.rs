@@ -184,10 +184,16 @@ impl Recipe for Structure {
                 tree.statistics(),
             ),
         };
+        let end_point_overlap = match &tree {
+            Tree::Bvh(tree) => Some(tree.end_point_overlap()),
+            // Cells do not overlap.
+            Tree::KdTree(_) | Tree::Bsp(_) => Some(0.0),
+            Tree::Brute(_) => None,
+        };
         Ok(Built {
             contenders,
             bytes: Some(statistics.bytes),
-            tree: Some(tree_row(&statistics)),
+            tree: Some(tree_row(&statistics, end_point_overlap)),
         })
     }
 
@@ -230,13 +236,13 @@ fn bvh_options(preset: Preset) -> BvhOptions {
     }
 }
 
-fn tree_row(statistics: &TreeStatistics) -> TreeRow {
+fn tree_row(statistics: &TreeStatistics, end_point_overlap: Option<f64>) -> TreeRow {
     TreeRow {
         nodes: statistics.nodes,
         depth: statistics.depth,
         references_per_triangle: statistics.references_per_primitive(),
         sah_cost: statistics.sah_cost,
-        end_point_overlap: None,
+        end_point_overlap,
         expected_inner_nodes: statistics.expected_visits.inner_nodes,
         expected_leaves: statistics.expected_visits.leaves,
         expected_triangle_tests: statistics.expected_visits.triangle_tests,
