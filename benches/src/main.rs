@@ -12,6 +12,7 @@ mod arguments;
 mod baseline;
 mod contender;
 mod errors;
+mod images;
 mod machine;
 mod measure;
 #[cfg(feature = "peers")]
