@@ -7,19 +7,21 @@ use anyhow::{Context, Result, ensure};
 use tahko_tracer::accelerator::StructureKind;
 use tahko_tracer::geometry::Precision;
 use tahko_tracer::load::load_scene;
+use tahko_tracer::scene::Scene;
 
 use crate::arguments::{Arguments, Section, or_all};
 use crate::contender::Recipe;
 use crate::measure::{self, Course, Pools};
 use crate::progress::Progress;
-use crate::report::{RayClass, Report, SCHEMA, SceneReport, Settings};
-use crate::structures::Structure;
-use crate::{machine, scenes, timing};
+use crate::report::{ImageRow, RayClass, Report, SCHEMA, SceneReport, Settings};
+use crate::structures::{Interface, Preset, Structure};
+use crate::{images, machine, scenes, timing};
 
 /// How much is measured.
 #[derive(Clone, Debug)]
 struct Effort {
     scene: measure::Effort,
+    images: images::Effort,
 }
 
 impl Effort {
@@ -36,14 +38,17 @@ impl Effort {
         if arguments.smoke {
             Self {
                 scene: scene(1 << 8, 1, 1, 1 << 6, 0.0),
+                images: images::Effort::SMOKE,
             }
         } else if arguments.quick {
             Self {
                 scene: scene(1 << 14, 5, 15, 1 << 10, 0.2),
+                images: images::Effort::QUICK,
             }
         } else {
             Self {
                 scene: scene(1 << 16, 7, 50, 1 << 12, 1.0),
+                images: images::Effort::FULL,
             }
         }
     }
@@ -55,27 +60,131 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Report> {
     let started = SystemTime::now()
         .duration_since(UNIX_EPOCH)
         .map_or(0, |time| time.as_secs());
-    let effort = Effort::of(arguments);
-    let pools = Pools::new()?;
-    let files = files(arguments)?;
-    let recipes = recipes(arguments)?;
-    let scenes = scenes_of(arguments, &effort, &files, &recipes, &pools)?;
+    let run = Run {
+        arguments,
+        effort: Effort::of(arguments),
+        pools: Pools::new()?,
+        progress: Progress::new(),
+    };
+    let scenes = run.scenes()?;
+    let (rays, rounds) = (run.effort.scene.rays, run.effort.scene.timing.rounds);
     Ok(Report {
         schema: SCHEMA,
         command: command(),
         started,
         seconds: start.elapsed().as_secs_f64(),
-        machine: machine::describe(pools.threads()),
+        machine: machine::describe(run.pools.threads()),
         settings: Settings {
             quick: arguments.quick || arguments.smoke,
-            rays: effort.scene.rays,
-            rounds: effort.scene.timing.rounds,
+            rays,
+            rounds,
         },
         scenes,
         growth: Vec::new(),
         claims: Vec::new(),
     })
 }
+
+/// What all sections of a run share.
+struct Run<'a> {
+    arguments: &'a Arguments,
+    effort: Effort,
+    pools: Pools,
+    progress: Progress,
+}
+
+impl Run<'_> {
+    fn wants(&self, section: Section) -> bool {
+        self.arguments.sections.contains(&section)
+    }
+
+    /// The sections speed and images.
+    fn scenes(&self) -> Result<Vec<SceneReport>> {
+        let wants_speed = self.wants(Section::Speed);
+        if !wants_speed && !self.wants(Section::Images) {
+            return Ok(Vec::new());
+        }
+        let files = files(self.arguments)?;
+        let recipes = if wants_speed {
+            recipes(self.arguments)?
+        } else {
+            Vec::new()
+        };
+        let classes = or_all(&self.arguments.classes, &RayClass::ALL);
+        let advance = || self.progress.advance();
+        let course = Course {
+            recipes: &recipes,
+            classes: &classes,
+            effort: &self.effort.scene,
+            pools: &self.pools,
+            advance: &advance,
+        };
+        // Pictures take about as long as so many turns.
+        let of_images = if self.wants(Section::Images) {
+            IMAGE_UNITS
+        } else {
+            0
+        };
+        let of_scene = course.turns() + of_images;
+        self.progress.begin(of_scene * files.len() as u64);
+        let mut reports = Vec::new();
+        for (index, file) in files.iter().enumerate() {
+            let (scene, _) = load_scene(file)?;
+            let name = scenes::name(file);
+            let (triangles, count) = (scene.mesh().len(), files.len());
+            self.progress.say(&format!(
+                "{name}, {triangles} triangles ({} of {count})",
+                index + 1
+            ));
+            let mut report = course
+                .measure(&name, &scene)
+                .with_context(|| name.clone())?;
+            if self.wants(Section::Images) {
+                report.images = self.images(&name, &scene)?;
+            }
+            self.progress.set(of_scene * (index as u64 + 1));
+            reports.push(report);
+        }
+        self.progress.end();
+        Ok(reports)
+    }
+
+    /// The section images of a scene.
+    fn images(&self, name: &str, scene: &Scene) -> Result<Vec<ImageRow>> {
+        let mut built = Vec::new();
+        for kind in or_all(&self.arguments.structures, &StructureKind::ALL) {
+            let interface = [Interface::Single];
+            let structure = Structure::new(kind, Preset::Balanced, &Precision::ALL, &interface);
+            let structure = structure.filter(|one| scene.mesh().len() <= one.max_triangles());
+            if let Some(structure) = structure {
+                let threads = self.pools.threads();
+                let tree = self
+                    .pools
+                    .install(|| structure.build(scene.mesh(), threads))?;
+                built.push((kind, tree));
+            }
+        }
+        let candidates = built.iter().flat_map(|(kind, tree)| {
+            let queries = tree
+                .contenders
+                .iter()
+                .filter_map(|contender| contender.query());
+            queries.map(|query| images::Candidate {
+                kind: *kind,
+                precision: query.precision(),
+                query,
+            })
+        });
+        let candidates: Vec<_> = candidates.collect();
+        let folder = self.arguments.out.join("pictures");
+        let measure =
+            || images::measure(name, scene, &candidates, &self.effort.images, Some(&folder));
+        self.pools.install(measure)
+    }
+}
+
+/// Turns that the pictures of a scene take about as long as.
+const IMAGE_UNITS: u64 = 200;
 
 /// The program's arguments as they were given.
 fn command() -> String {
@@ -122,46 +231,4 @@ fn recipes(arguments: &Arguments) -> Result<Vec<Box<dyn Recipe>>> {
         "this program was built without the feature `peers`: use `cargo xtask bench --peers`"
     );
     Ok(recipes)
-}
-
-fn scenes_of(
-    arguments: &Arguments,
-    effort: &Effort,
-    files: &[PathBuf],
-    recipes: &[Box<dyn Recipe>],
-    pools: &Pools,
-) -> Result<Vec<SceneReport>> {
-    let wants = |section| arguments.sections.contains(&section);
-    if !wants(Section::Speed) && !wants(Section::Images) {
-        return Ok(Vec::new());
-    }
-    let classes = or_all(&arguments.classes, &RayClass::ALL);
-    let progress = Progress::new();
-    let advance = || progress.advance();
-    let course = Course {
-        recipes,
-        classes: &classes,
-        effort: &effort.scene,
-        pools,
-        advance: &advance,
-    };
-    progress.begin(course.turns() * files.len() as u64);
-    let mut reports = Vec::new();
-    for (index, file) in files.iter().enumerate() {
-        let (scene, _) = load_scene(file)?;
-        let name = scenes::name(file);
-        progress.say(&format!(
-            "{name}, {} triangles ({} of {})",
-            scene.mesh().len(),
-            index + 1,
-            files.len()
-        ));
-        let report = course
-            .measure(&name, &scene)
-            .with_context(|| name.clone())?;
-        progress.set(course.turns() * (index as u64 + 1));
-        reports.push(report);
-    }
-    progress.end();
-    Ok(reports)
 }

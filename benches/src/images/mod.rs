@@ -57,6 +57,14 @@ impl Effort {
         turn: Duration::from_millis(250),
         brute_tests: 1e7,
     };
+    /// To see that everything works.
+    pub(crate) const SMOKE: Self = Self {
+        width: 16,
+        height: 12,
+        most_samples: 2,
+        reference_samples: 8,
+        ..Self::QUICK
+    };
 
     fn options(&self, samples: u32, seed: u64) -> RenderOptions {
         RenderOptions {
