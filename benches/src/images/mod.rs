@@ -46,7 +46,7 @@ impl Effort {
         reference_samples: 64,
         rounds: 3,
         turn: Duration::from_millis(250),
-        brute_tests: 1e8,
+        brute_tests: 3e7,
     };
     pub(crate) const QUICK: Self = Self {
         width: 64,
