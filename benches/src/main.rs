@@ -74,6 +74,7 @@ fn run(arguments: &Arguments) -> Result<Vec<String>> {
         &format!("{}\n", serde_json::to_string_pretty(&report)?),
     )?;
     write(folder, "report.md", &page)?;
+    write(folder, "report.html", &report::html::page(&report))?;
     Ok(promises::broken(&report))
 }
 

@@ -5,6 +5,7 @@
 
 #[cfg(test)]
 pub(crate) mod example;
+pub(crate) mod html;
 pub(crate) mod markdown;
 mod sample;
 
