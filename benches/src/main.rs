@@ -11,7 +11,12 @@
 mod arguments;
 mod baseline;
 mod contender;
+mod check;
 mod errors;
+mod fit;
+mod generated;
+mod growth;
+mod growth_table;
 mod images;
 mod machine;
 mod measure;
