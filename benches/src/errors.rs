@@ -34,10 +34,7 @@ impl<'a> Audit<'a> {
         // Odd, so that rays of a tile of a power of two take turns.
         let stride = rays.len().div_ceil(count.max(1)) | 1;
         let rays: Vec<Ray> = rays.iter().copied().step_by(stride).collect();
-        let exact = rays
-            .par_iter()
-            .map(|ray| oracle.closest_hit(ray).as_ref().map(Closest::new));
-        let exact = exact.collect();
+        let exact = exact_answers(oracle, &rays);
         Self {
             oracle,
             class,
@@ -77,29 +74,9 @@ impl<'a> Audit<'a> {
     }
 
     fn errors_of_closest(&self, hits: &[Option<Hit>], ties: Ties) -> Errors {
-        let mut errors = self.audited();
-        let mut t_errors = Vec::new();
-        for ((ray, given), exact) in self.rays.iter().zip(hits).zip(&self.exact) {
-            match (given, exact) {
-                (Some(_), None) => errors.false_hits += 1,
-                (None, Some(_)) => errors.false_misses += 1,
-                (None, None) => {}
-                (Some(given), Some(exact)) => {
-                    let is_right = given.primitive == exact.triangle
-                        || (ties == Ties::Any && self.is_as_close(ray, given.primitive));
-                    if is_right {
-                        t_errors.push(exact.t_error_in_ulps(given.t));
-                        continue;
-                    }
-                    errors.wrong_triangles += 1;
-                    // A positive comparison, so that NaN is far off.
-                    let is_near = (f64::from(given.t) - exact.t).abs() <= FAR_OFF * exact.t.abs();
-                    errors.far_off += usize::from(!is_near);
-                }
-            }
-        }
-        errors.t_ulp = TErrors::of(t_errors);
-        errors
+        of_closest_hits(hits, &self.exact, |index, triangle| {
+            ties == Ties::Any && self.is_as_close(&self.rays[index], triangle)
+        })
     }
 
     /// Whether a triangle is hit at exactly the same `t` as the closest one.
@@ -109,6 +86,48 @@ impl<'a> Audit<'a> {
         hits.iter()
             .any(|hit| hit.triangle == triangle && Some(&hit.t) == closest)
     }
+}
+
+/// The exact closest hits, on the current pool of rayon.
+pub(crate) fn exact_answers(oracle: &Oracle, rays: &[Ray]) -> Vec<Option<Closest>> {
+    let exact = rays
+        .par_iter()
+        .map(|ray| oracle.closest_hit(ray).as_ref().map(Closest::new));
+    exact.collect()
+}
+
+/// How closest hits differ from the exact ones. `is_right_too` tells whether another triangle than the closest will do for a ray.
+pub(crate) fn of_closest_hits(
+    hits: &[Option<Hit>],
+    exact: &[Option<Closest>],
+    is_right_too: impl Fn(usize, u32) -> bool,
+) -> Errors {
+    let mut errors = Errors {
+        audited: hits.len(),
+        hits: exact.iter().flatten().count(),
+        ..Errors::default()
+    };
+    let mut t_errors = Vec::new();
+    for (index, (given, exact)) in hits.iter().zip(exact).enumerate() {
+        match (given, exact) {
+            (Some(_), None) => errors.false_hits += 1,
+            (None, Some(_)) => errors.false_misses += 1,
+            (None, None) => {}
+            (Some(given), Some(exact)) => {
+                let Hit { t, primitive, .. } = *given;
+                if primitive == exact.triangle || is_right_too(index, primitive) {
+                    t_errors.push(exact.t_error_in_ulps(t));
+                    continue;
+                }
+                errors.wrong_triangles += 1;
+                // A positive comparison, so that NaN is far off.
+                let is_near = (f64::from(t) - exact.t).abs() <= FAR_OFF * exact.t.abs();
+                errors.far_off += usize::from(!is_near);
+            }
+        }
+    }
+    errors.t_ulp = TErrors::of(t_errors);
+    errors
 }
 
 #[cfg(test)]

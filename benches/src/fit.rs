@@ -38,6 +38,12 @@ pub(crate) fn power_law(points: &[(f64, f64)]) -> Option<Fit> {
     })
 }
 
+/// The exponent that would be fitted to a function of `n` at the same places: what `n log n` looks like as a power there.
+pub(crate) fn exponent_of(function: impl Fn(f64) -> f64, places: &[f64]) -> Option<f64> {
+    let points: Vec<_> = places.iter().map(|n| (*n, function(*n))).collect();
+    power_law(&points).map(|fit| fit.exponent)
+}
+
 /// A fit as text.
 pub(crate) fn text(fit: Option<Fit>) -> String {
     fit.map_or_else(String::new, |fit| {
@@ -96,6 +102,12 @@ mod tests {
         assert_eq!((student_t(1), student_t(30)), (12.706, 2.042));
         assert_eq!(student_t(1000), student_t(30));
         assert!((1..30).all(|degrees| student_t(degrees) > student_t(degrees + 1)));
+    }
+
+    #[test]
+    fn n_log_n_looks_like_a_power_a_little_above_one() {
+        let exponent = exponent_of(|n| n * n.ln(), &[1e3, 1e4, 1e5, 1e6]).unwrap();
+        assert!((1.0..1.15).contains(&exponent), "{exponent}");
     }
 
     #[test]

@@ -4,13 +4,14 @@ use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
-use tahko_geometry::oracle::{ExactHit, Oracle};
+use tahko_bench::audit::Closest;
+use tahko_geometry::oracle::Oracle;
 use tahko_tracer::accelerator::{Accelerator, StructureKind};
 use tahko_tracer::generate::Generator;
 use tahko_tracer::geometry::{Precision, QueryCounts, Ray, RayQuery, TriangleMesh};
 
 use crate::report::{Contender, GrowthCurve, GrowthPoint, Sample};
-use crate::{check, fit, generated};
+use crate::{check, errors, fit, generated};
 
 const STRUCTURES: [StructureKind; 3] = [
     StructureKind::Bsp,
@@ -104,14 +105,14 @@ struct Measured {
     mesh: TriangleMesh,
     rays: Vec<Ray>,
     /// Those of the first rays.
-    exact: Vec<Option<ExactHit>>,
+    exact: Vec<Option<Closest>>,
 }
 
 impl Measured {
     fn new(mesh: TriangleMesh) -> Self {
         let rays = check::random_rays(&mesh.aabb(), RAYS);
         let audited = (ORACLE_TESTS / mesh.len().max(1)).clamp(MIN_AUDITED, AUDITED);
-        let exact = check::answers(&Oracle::new(&mesh), &rays[..audited]);
+        let exact = errors::exact_answers(&Oracle::new(&mesh), &rays[..audited]);
         Self { mesh, rays, exact }
     }
 

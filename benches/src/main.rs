@@ -10,13 +10,13 @@
 
 mod arguments;
 mod baseline;
-mod contender;
 mod check;
+mod claims;
+mod contender;
 mod errors;
 mod fit;
 mod generated;
 mod growth;
-mod growth_table;
 mod images;
 mod machine;
 mod measure;

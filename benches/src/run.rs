@@ -5,6 +5,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use anyhow::{Context, Result, ensure};
 use tahko_tracer::accelerator::StructureKind;
+use tahko_tracer::generate::Generator;
 use tahko_tracer::geometry::Precision;
 use tahko_tracer::load::load_scene;
 use tahko_tracer::scene::Scene;
@@ -13,16 +14,28 @@ use crate::arguments::{Arguments, Section, or_all};
 use crate::contender::Recipe;
 use crate::measure::{self, Course, Pools};
 use crate::progress::Progress;
-use crate::report::{ImageRow, RayClass, Report, SCHEMA, SceneReport, Settings};
+use crate::report::{
+    Claim, GrowthCurve, ImageRow, RayClass, Report, SCHEMA, SceneReport, Settings,
+};
 use crate::structures::{Interface, Preset, Structure};
-use crate::{images, machine, scenes, timing};
+use crate::{claims, growth, images, machine, scenes, timing};
 
 /// How much is measured.
 #[derive(Clone, Debug)]
 struct Effort {
     scene: measure::Effort,
     images: images::Effort,
+    /// The largest number of triangles, and the generators.
+    growth: (u32, &'static [Generator]),
+    claims: claims::Effort,
 }
+
+/// The generators of a short look at growth: clustered spheres, an even surface, and triangles for which boxes fail.
+const FEW_GENERATORS: [Generator; 3] = [
+    Generator::Sphereflake,
+    Generator::Terrain,
+    Generator::Needles,
+];
 
 impl Effort {
     fn of(arguments: &Arguments) -> Self {
@@ -39,16 +52,22 @@ impl Effort {
             Self {
                 scene: scene(1 << 8, 1, 1, 1 << 6, 0.0),
                 images: images::Effort::SMOKE,
+                growth: (1_000, &FEW_GENERATORS),
+                claims: claims::Effort::Smoke,
             }
         } else if arguments.quick {
             Self {
                 scene: scene(1 << 14, 5, 15, 1 << 10, 0.2),
                 images: images::Effort::QUICK,
+                growth: (31_623, &FEW_GENERATORS),
+                claims: claims::Effort::Quick,
             }
         } else {
             Self {
                 scene: scene(1 << 16, 7, 50, 1 << 12, 1.0),
                 images: images::Effort::FULL,
+                growth: (1_000_000, &Generator::ALL),
+                claims: claims::Effort::Full,
             }
         }
     }
@@ -80,8 +99,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<Report> {
             rounds,
         },
         scenes,
-        growth: Vec::new(),
-        claims: Vec::new(),
+        growth: run.growth()?,
+        claims: run.claims()?,
     })
 }
 
@@ -147,6 +166,25 @@ impl Run<'_> {
         }
         self.progress.end();
         Ok(reports)
+    }
+
+    /// The section growth.
+    fn growth(&self) -> Result<Vec<GrowthCurve>> {
+        if !self.wants(Section::Growth) {
+            return Ok(Vec::new());
+        }
+        let (largest, generators) = self.effort.growth;
+        let largest = self.arguments.largest.unwrap_or(largest);
+        let progress = |what: &str| self.progress.say(what);
+        growth::measure(largest, generators, &progress)
+    }
+
+    /// The section claims.
+    fn claims(&self) -> Result<Vec<Claim>> {
+        if !self.wants(Section::Claims) {
+            return Ok(Vec::new());
+        }
+        claims::measure(self.effort.claims, &|what| self.progress.say(what))
     }
 
     /// The section images of a scene.

@@ -2,27 +2,6 @@
 
 use super::super::RayClass;
 
-/// All classes, in the order of the page.
-pub(super) const ALL: [RayClass; 6] = [
-    RayClass::Primary,
-    RayClass::Shadow,
-    RayClass::Diffuse,
-    RayClass::Random,
-    RayClass::Edge,
-    RayClass::Vertex,
-];
-
-pub(super) const fn name(class: RayClass) -> &'static str {
-    match class {
-        RayClass::Primary => "primary",
-        RayClass::Shadow => "shadow",
-        RayClass::Diffuse => "diffuse",
-        RayClass::Random => "random",
-        RayClass::Edge => "edge",
-        RayClass::Vertex => "vertex",
-    }
-}
-
 pub(super) const fn meaning(class: RayClass) -> &'static str {
     match class {
         RayClass::Primary => "through the pixels of a picture, tile by tile; closest hit",

@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use maud::{Markup, html};
 
 use super::super::{BuildRow, Contender, RayClass, Report, SceneReport, TraceRow};
+use super::format;
 use super::mark::{Mark, Palette};
 use super::mistakes::Mistakes;
 use super::names::Names;
-use super::{class, format};
 
 /// The report and what is derived from it once.
 #[derive(Debug)]
@@ -73,7 +73,7 @@ impl<'a> Context<'a> {
     /// The classes that were measured, in order.
     pub(super) fn classes(&self) -> Vec<RayClass> {
         let is_there = |class: &RayClass| self.rows(*class).next().is_some();
-        class::ALL.into_iter().filter(is_there).collect()
+        RayClass::ALL.into_iter().filter(is_there).collect()
     }
 
     /// The class that stands for all where one must: diffuse, else random, else the first.

@@ -14,7 +14,7 @@ const STRUCTURES: [&str; 4] = ["bvh", "kdtree", "bsp", "brute"];
 /// Colours in the style sheet.
 const COLOURS: usize = 12;
 /// The library whose structures have fixed colours.
-pub(super) const OWN_LIBRARY: &str = "tahko";
+pub(super) use crate::structures::LIBRARY as OWN_LIBRARY;
 
 /// A length in a chart, with one decimal.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,6 +3,7 @@
 mod baseline;
 mod claims;
 mod exactness;
+mod growth;
 mod images;
 mod scene;
 
@@ -16,6 +17,7 @@ pub(crate) fn page(report: &Report, comparison: Option<&Comparison>) -> String {
     sections.extend(report.scenes.iter().map(scene::section));
     sections.extend(exactness::section(&report.scenes));
     sections.extend(images::section(&report.scenes));
+    sections.extend(growth::section(&report.growth));
     sections.extend(claims::section(&report.claims));
     sections.join("\n")
 }

@@ -9,9 +9,9 @@ use super::super::chart::{Axis, Frame, figure};
 use super::super::context::{Context, same_build};
 use super::super::format::{count, number, seconds, short, short_seconds};
 use super::super::mistakes::Mistakes;
+use super::super::pareto;
 use super::super::scale::Domain;
 use super::super::table::{Cell, Column, Row, folded, table};
-use super::super::{class, pareto};
 use super::{key, payback};
 use crate::report::{BuildRow, Contender, RayClass, SceneReport, TraceRow};
 
@@ -91,7 +91,7 @@ pub(super) fn body(context: &Context<'_>) -> Option<Markup> {
     if scenes.is_empty() {
         return None;
     }
-    let name = class::name(class);
+    let name = class.name();
     let all = scenes.iter().flat_map(|(_, choices)| choices);
     let shown: Vec<&Contender> = all.map(|choice| &choice.trace.contender).collect();
     Some(html! {
@@ -126,7 +126,7 @@ fn chart(
         .zip(pareto::front(&places))
         .map(|(choice, is_strong)| point(context, choice, is_strong))
         .collect();
-    let ray_axis = format!("↓ nanoseconds per {} ray", class::name(class));
+    let ray_axis = format!("↓ nanoseconds per {} ray", class.name());
     let frame = Frame {
         title: &format!("Build time against trace time, {}", scene.name),
         description: "A point for each build and precision; the table of figures below has the same values.",

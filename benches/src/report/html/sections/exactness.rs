@@ -103,7 +103,7 @@ pub(super) fn body(context: &Context<'_>) -> Option<Markup> {
 /// A row for each structure, for each class.
 fn groups(context: &Context<'_>, comparisons: &[Comparison<'_>]) -> Vec<(RayClass, Vec<DotRow>)> {
     let mut groups = Vec::new();
-    for class in class::ALL {
+    for class in RayClass::ALL {
         let mut structures: BTreeMap<&Contender, Vec<&Comparison<'_>>> = BTreeMap::new();
         for comparison in comparisons {
             let exact = comparison.exact;
@@ -130,7 +130,7 @@ fn groups(context: &Context<'_>, comparisons: &[Comparison<'_>]) -> Vec<(RayClas
 }
 
 fn chart(class: RayClass, domain: &Domain, rows: &[DotRow]) -> Markup {
-    let name = class::name(class);
+    let name = class.name();
     let title = format!("Speed of the exact precision, {name} rays");
     let titles = rows
         .iter()
@@ -235,7 +235,7 @@ fn cells(context: &Context<'_>, comparison: &Comparison<'_>) -> Vec<Cell> {
             &context.names.without_precision(&exact.contender),
         )),
         Cell::text(&scene.name),
-        Cell::text(class::name(exact.class)),
+        Cell::text(exact.class.name()),
         count(exact.threads).into(),
         Cell::text(to),
         times(ratio.median()).into(),

@@ -69,7 +69,7 @@ pub(super) fn body(context: &Context<'_>) -> Markup {
     html! {
         dl.words {
             @for class in context.classes() {
-                dt { (class::name(class)) " rays" }
+                dt { (class.name()) " rays" }
                 dd { (class::meaning(class)) "." }
             }
             @for (word, meaning) in WORDS {

@@ -4,7 +4,6 @@ use maud::{Markup, html};
 
 use super::super::chart::figure;
 use super::super::chart::strips::{Piece, Strip, strips};
-use super::super::class;
 use super::super::context::Context;
 use super::super::envelope::{Line, Stretch, lower};
 use super::super::format::{number, rays, seconds};
@@ -46,10 +45,10 @@ pub(super) fn body(
 ) -> Markup {
     let charts = [Among::Clean, Among::All].map(|among| {
         let rows: Vec<Strip> = scenes.iter().filter_map(|(scene, choices)| strip(context, scene, &best(choices, among))).collect();
-        let title = format!("The cheapest choice for a number of {} rays, {}", class::name(class), among.name());
+        let title = format!("The cheapest choice for a number of {} rays, {}", class.name(), among.name());
         let description = "For each scene, which structure needs the least time in all, from few rays to many; the table below has the same values.";
         let chart = strips(&title, description, "rays traced with one build", &rows);
-        let heading = format!("For {} rays, {}", class::name(class), among.heading());
+        let heading = format!("For {} rays, {}", class.name(), among.heading());
         chart.map(|chart| figure(&heading, &chart, &html! {}))
     });
     html! {

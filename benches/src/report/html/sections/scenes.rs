@@ -2,7 +2,6 @@
 
 use maud::{Markup, html};
 
-use super::super::class;
 use super::super::context::{Context, threads_in_words};
 use super::super::format::{NOTHING, count, number, percent, short};
 use super::super::mistakes::Mistakes;
@@ -77,7 +76,7 @@ fn tables(context: &Context<'_>, scene: &SceneReport, is_open: bool) -> Markup {
         @for note in &scene.notes {
             p { (note) }
         }
-        @for class in class::ALL {
+        @for class in RayClass::ALL {
             @let rows = sorted(scene, class);
             @if !rows.is_empty() {
                 (folded(&headline(context, class, &rows), is_open && main == Some(class), &class_table(context, scene, class, &rows)))
@@ -110,7 +109,7 @@ fn best<'a>(rows: &[&'a TraceRow], threads: usize) -> Option<&'a TraceRow> {
 
 fn headline(context: &Context<'_>, class: RayClass, rows: &[&TraceRow]) -> Markup {
     html! {
-        (class::name(class)) " rays"
+        (class.name()) " rays"
         @if let Some(best) = best(rows, context.threads) {
             span.aside {
                 "fastest without a wrong answer: " (context.badge(&best.contender, &context.names.full(&best.contender)))
@@ -138,7 +137,7 @@ fn class_table(
         })
         .collect();
     table(
-        &format!("{}, {} rays", scene.name, class::name(class)),
+        &format!("{}, {} rays", scene.name, class.name()),
         &COLUMNS,
         &cells,
     )

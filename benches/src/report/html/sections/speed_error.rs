@@ -77,7 +77,7 @@ fn panel(context: &Context<'_>, class: RayClass, field: &Field<'_>) -> Option<Ma
     // One wrong answer is the least that could be seen, so the axis shows it also where nobody is that good.
     let least = 1e6 / audited as f64;
     let band = format!("none found in {} rays", count(audited));
-    let name = class::name(class);
+    let name = class.name();
     let frame = Frame {
         title: &format!("Speed against error, {name} rays"),
         description: &description(context, field),

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use maud::{Markup, html};
 
-use super::super::class;
 use super::super::context::{Context, Overall, geometric_mean, median};
 use super::super::format::{count, number, percent, seconds};
 use super::super::mark::OWN_LIBRARY;
@@ -63,7 +62,7 @@ fn fastest(context: &Context<'_>) -> Markup {
     let rate = |overall: &Overall<'_>| format!("{} million rays per second", number(overall.rate));
     html! {
         @if let Some(clean) = clean {
-            "On " (class::name(class)) " rays and " (context.on_threads()) ", the fastest without a wrong answer is "
+            "On " (class.name()) " rays and " (context.on_threads()) ", the fastest without a wrong answer is "
             strong { (name(clean)) } " with " strong { (rate(clean)) } " (geometric mean over " (amount(field.scenes, "scene")) "; "
             (clean.mistakes.words()) ")"
             @match first {
@@ -72,7 +71,7 @@ fn fastest(context: &Context<'_>) -> Markup {
                 None => { "." }
             }
         } @else if let Some(first) = first {
-            "On " (class::name(class)) " rays, every contender gave wrong answers; the fastest is " strong { (name(first)) } " with "
+            "On " (class.name()) " rays, every contender gave wrong answers; the fastest is " strong { (name(first)) } " with "
             (rate(first)) " and " (first.mistakes.words()) "."
         }
     }

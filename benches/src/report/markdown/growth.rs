@@ -1,16 +1,15 @@
-//! Prints growth curves as Markdown.
-
-use anyhow::Result;
-use tahko_tracer::generate::Generator;
+//! How build time, memory and rays grow with the number of triangles.
 
 use crate::report::{GrowthCurve, GrowthPoint};
-use crate::{check, fit, growth, table};
+use crate::table::{markdown, three_digits};
+use crate::{check, fit};
 
-/// Measures all generators and prints two tables for each as soon as it is done: the points, and the fitted exponents.
-pub(crate) fn print(largest: u32) -> Result<()> {
-    for generator in Generator::ALL {
-        let curves = growth::measure(largest, &[generator], &|what| eprintln!("{what} ..."))?;
-        println!("### {generator}\n");
+/// The points and the fitted exponents, generator by generator; `None` for none.
+pub(super) fn section(curves: &[GrowthCurve]) -> Option<String> {
+    let mut text = "## Growth\n\nRandom rays on one thread, at the exact precision. Exponents are powers of the number of triangles, with half of the 95 % \
+        confidence interval.\n"
+        .to_owned();
+    for curves in curves.chunk_by(|one, other| one.generator == other.generator) {
         let mut header = vec![
             "structure",
             "triangles",
@@ -25,13 +24,15 @@ pub(crate) fn print(largest: u32) -> Result<()> {
             "triangles/ray",
         ];
         header.extend(check::ERROR_COLUMNS);
-        table::print(&header, curves.iter().flat_map(rows).collect(), 1);
+        let points = markdown(&header, curves.iter().flat_map(rows).collect(), 1);
+        text += &format!("\n### {}\n\n{points}", curves[0].generator);
         if curves.iter().any(|curve| curve.build_exponent.is_some()) {
             let header = ["structure", "exponent of build time", "of time per ray"];
-            table::print(&header, curves.iter().map(exponents).collect(), 1);
+            let exponents = markdown(&header, curves.iter().map(exponents).collect(), 1);
+            text += &format!("\n{exponents}");
         }
     }
-    Ok(())
+    (!curves.is_empty()).then_some(text)
 }
 
 fn rows(curve: &GrowthCurve) -> impl Iterator<Item = Vec<String>> {
@@ -43,15 +44,15 @@ fn row(structure: &str, point: &GrowthPoint) -> Vec<String> {
     let mut row = vec![
         structure.to_owned(),
         point.triangles.to_string(),
-        table::three_digits(point.build_seconds),
+        three_digits(point.build_seconds),
         point.nodes.to_string(),
         point.depth.to_string(),
-        table::three_digits(point.references_per_triangle),
-        table::three_digits(point.bytes_per_triangle),
-        table::three_digits(point.sah_cost),
-        table::three_digits(point.ray_nanoseconds),
-        table::three_digits(point.ray_node_visits),
-        table::three_digits(point.ray_triangle_tests),
+        three_digits(point.references_per_triangle),
+        three_digits(point.bytes_per_triangle),
+        three_digits(point.sah_cost),
+        three_digits(point.ray_nanoseconds),
+        three_digits(point.ray_node_visits),
+        three_digits(point.ray_triangle_tests),
     ];
     row.extend(check::error_cells(&point.errors));
     row
