@@ -29,7 +29,7 @@ use crate::structures::{Interface, Preset};
     cargo xtask bench --sections growth             build time and memory for n = 1e3 to 1e6"
 )]
 pub(crate) struct Arguments {
-    /// A scene or mesh to measure instead of those in scenes/, or a folder of them; may be repeated
+    /// A scene or mesh to measure instead of those in scenes/, or a folder of them with all below; may be repeated
     #[arg(long = "scene", value_name = "FILE")]
     pub(crate) scenes: Vec<PathBuf>,
     /// Three scenes, fewer rays and shorter rounds: under five minutes on two processors

@@ -36,7 +36,12 @@ impl Progress {
 
     /// Says what is done next.
     pub(crate) fn say(&self, what: &str) {
-        self.bar.suspend(|| eprintln!("measuring {what} ..."));
+        self.say_that(&format!("measuring {what} ..."));
+    }
+
+    /// Says something above the bar.
+    pub(crate) fn say_that(&self, what: &str) {
+        self.bar.suspend(|| eprintln!("{what}"));
     }
 
     /// Takes the bar away.

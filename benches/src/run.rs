@@ -148,8 +148,16 @@ impl Run<'_> {
         self.progress.begin(of_scene * files.len() as u64);
         let mut reports = Vec::new();
         for (index, file) in files.iter().enumerate() {
-            let (scene, _) = load_scene(file)?;
             let name = scenes::name(file);
+            let scene = match load_scene(file) {
+                Ok((scene, _)) => scene,
+                // Of a whole folder some files may be unfit; one that was named is a mistake.
+                Err(error) if !self.arguments.scenes.contains(file) => {
+                    self.progress.say_that(&format!("left out: {error}"));
+                    continue;
+                }
+                Err(error) => return Err(error.into()),
+            };
             let (triangles, count) = (scene.mesh().len(), files.len());
             self.progress.say(&format!(
                 "{name}, {triangles} triangles ({} of {count})",

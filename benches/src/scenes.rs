@@ -29,12 +29,12 @@ pub(crate) fn quick() -> Vec<PathBuf> {
         .collect()
 }
 
-/// The files that were asked for; a folder stands for the scenes and meshes in it, without those in folders below.
+/// The files that were asked for; a folder stands for the scenes and meshes in it and in folders below.
 pub(crate) fn expand(paths: &[PathBuf]) -> Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for path in paths {
         if path.is_dir() {
-            files.extend(in_folder(path)?);
+            files.extend(below(path)?);
         } else {
             files.push(path.clone());
         }
@@ -48,19 +48,42 @@ pub(crate) fn name(file: &Path) -> String {
 }
 
 fn in_folder(folder: &Path) -> Result<Vec<PathBuf>> {
-    let entries = folder
-        .read_dir()
-        .with_context(|| format!("{}", folder.display()))?;
-    let mut files = entries
-        .map(|entry| Ok(entry?.path()))
-        .collect::<Result<Vec<_>>>()
-        .with_context(|| format!("{}", folder.display()))?;
+    let mut files = entries(folder)?;
     files.retain(|path| is_scene(path));
     files.sort();
     if files.is_empty() {
         bail!("{}: no scenes or meshes in this folder", folder.display());
     }
     Ok(files)
+}
+
+/// The files of a folder and those below it.
+fn below(folder: &Path) -> Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for path in entries(&folder)? {
+            if path.is_dir() {
+                folders.push(path);
+            } else if is_scene(&path) {
+                files.push(path);
+            }
+        }
+    }
+    files.sort();
+    if files.is_empty() {
+        bail!("{}: no scenes or meshes in this folder", folder.display());
+    }
+    Ok(files)
+}
+
+fn entries(folder: &Path) -> Result<Vec<PathBuf>> {
+    let name = || folder.display().to_string();
+    let entries = folder.read_dir().with_context(name)?;
+    entries
+        .map(|entry| Ok(entry?.path()))
+        .collect::<Result<_>>()
+        .with_context(name)
 }
 
 fn is_scene(path: &Path) -> bool {
@@ -90,10 +113,16 @@ mod tests {
     fn a_folder_stands_for_its_scenes_and_an_empty_one_is_an_error() {
         let folder = shipped_folder();
         let file = folder.join("README.md");
+        let bench = folder.join("bench");
         let expanded = expand(&[folder.clone(), file.clone()]).unwrap();
+        let large = in_folder(&bench).unwrap();
+        assert!(
+            large.iter().all(|file| expanded.contains(file)),
+            "also what is below"
+        );
         assert_eq!(
             expanded.len(),
-            shipped().unwrap().len() + 1,
+            shipped().unwrap().len() + large.len() + 1,
             "a named file is taken as it is"
         );
         let error = expand(&[folder.join("golden")]).unwrap_err().to_string();
