@@ -80,6 +80,9 @@ pub(crate) struct Arguments {
     /// Measure other libraries beside ours (needs the feature `peers`, which `cargo xtask bench` turns on)
     #[arg(long)]
     pub(crate) peers: bool,
+    /// Which other libraries; tinybvh-hq crashes on some scenes
+    #[arg(long, value_name = "LIST", value_delimiter = ',', requires = "peers", default_values_t = Library::USUAL)]
+    pub(crate) libraries: Vec<Library>,
     /// The largest number of triangles of the section growth
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1000..))]
     pub(crate) largest: Option<u32>,
@@ -124,6 +127,58 @@ impl std::fmt::Display for Section {
 pub(crate) enum Simd {
     /// None beyond what every processor of the architecture has.
     Scalar,
+}
+
+/// Other libraries to measure beside ours.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub(crate) enum Library {
+    /// Embree 4, from a shared library.
+    Embree,
+    /// obvhs.
+    Obvhs,
+    /// bvh.
+    Bvh,
+    /// parry3d.
+    Parry3d,
+    /// tinybvh with its plain build.
+    Tinybvh,
+    /// tinybvh with spatial splits.
+    TinybvhHq,
+}
+
+impl Library {
+    /// All of them.
+    #[cfg(all(test, feature = "peers"))]
+    pub(crate) const ALL: [Self; 6] = [
+        Self::Embree,
+        Self::Obvhs,
+        Self::Bvh,
+        Self::Parry3d,
+        Self::Tinybvh,
+        Self::TinybvhHq,
+    ];
+
+    /// Those that have not been seen to end the program.
+    const USUAL: [Self; 5] = [
+        Self::Embree,
+        Self::Obvhs,
+        Self::Bvh,
+        Self::Parry3d,
+        Self::Tinybvh,
+    ];
+}
+
+impl std::fmt::Display for Library {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Self::Embree => "embree",
+            Self::Obvhs => "obvhs",
+            Self::Bvh => "bvh",
+            Self::Parry3d => "parry3d",
+            Self::Tinybvh => "tinybvh",
+            Self::TinybvhHq => "tinybvh-hq",
+        })
+    }
 }
 
 fn default_folder() -> PathBuf {

@@ -269,7 +269,7 @@ fn recipes(arguments: &Arguments) -> Result<Vec<Box<dyn Recipe>>> {
     );
     #[cfg(feature = "peers")]
     if arguments.peers {
-        recipes.extend(crate::peers::recipes()?);
+        recipes.extend(crate::peers::recipes(&arguments.libraries)?);
     }
     #[cfg(not(feature = "peers"))]
     ensure!(

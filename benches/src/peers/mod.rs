@@ -16,30 +16,37 @@ mod tinybvh;
 use anyhow::{Result, ensure};
 use tahko_tracer::geometry::TriangleMesh;
 
+use crate::arguments::Library;
 use crate::contender::Recipe;
 use crate::report;
 
-/// All libraries that this build and this machine can ask.
+/// The libraries by name, of those that this build and this machine can ask.
 ///
 /// # Errors
 /// If the user names an Embree that cannot be used. Without any Embree a note goes to stderr, and it is left out.
-pub(crate) fn recipes() -> Result<Vec<Box<dyn Recipe>>> {
-    let mut recipes = obvhs::recipes();
-    recipes.extend(bvh::recipes());
-    recipes.extend(parry::recipes());
-    recipes.extend(tinybvh_recipes());
-    recipes.extend(embree::recipes()?);
+pub(crate) fn recipes(libraries: &[Library]) -> Result<Vec<Box<dyn Recipe>>> {
+    let mut recipes = Vec::new();
+    for library in libraries {
+        recipes.extend(match library {
+            Library::Embree => embree::recipes()?,
+            Library::Obvhs => obvhs::recipes(),
+            Library::Bvh => bvh::recipes(),
+            Library::Parry3d => parry::recipes(),
+            Library::Tinybvh => tinybvh_recipes(false),
+            Library::TinybvhHq => tinybvh_recipes(true),
+        });
+    }
     Ok(recipes)
 }
 
 #[cfg(target_feature = "avx2")]
-fn tinybvh_recipes() -> Vec<Box<dyn Recipe>> {
-    tinybvh::recipes()
+fn tinybvh_recipes(has_spatial_splits: bool) -> Vec<Box<dyn Recipe>> {
+    tinybvh::recipes(has_spatial_splits)
 }
 
 /// The binding of tinybvh has rays for its eight-wide layout only where the compiler may use AVX2.
 #[cfg(not(target_feature = "avx2"))]
-fn tinybvh_recipes() -> Vec<Box<dyn Recipe>> {
+fn tinybvh_recipes(_has_spatial_splits: bool) -> Vec<Box<dyn Recipe>> {
     eprintln!(
         "note: tinybvh is left out, since this build may not use AVX2; `cargo xtask bench --peers` builds for the machine's own processor"
     );

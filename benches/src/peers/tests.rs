@@ -81,7 +81,7 @@ fn for_each_contender(
     mesh: &TriangleMesh,
     mut visit: impl FnMut(&report::Contender, &dyn Contender),
 ) {
-    for recipe in recipes().unwrap() {
+    for recipe in recipes(&Library::ALL).unwrap() {
         let names = recipe.names();
         let Built { contenders, .. } = recipe.build(mesh, 2).unwrap();
         assert_eq!(names.len(), contenders.len(), "{names:?}");
@@ -232,7 +232,7 @@ fn a_mesh_of_one_triangle_is_hit_from_both_sides() {
 #[test]
 fn a_mesh_without_triangles_is_refused() {
     let mesh = TriangleMesh::new(Vec::new(), Vec::new()).unwrap();
-    for recipe in recipes().unwrap() {
+    for recipe in recipes(&Library::ALL).unwrap() {
         assert!(recipe.build(&mesh, 1).is_err(), "{:?}", recipe.names());
     }
 }
@@ -264,7 +264,7 @@ fn most_triangles_of_eleven_orders_of_magnitude_are_hit() {
 
 #[test]
 fn contenders_have_names_of_their_own() {
-    let recipes = recipes().unwrap();
+    let recipes = recipes(&Library::ALL).unwrap();
     let names: Vec<_> = recipes.iter().flat_map(|recipe| recipe.names()).collect();
     let distinct: BTreeSet<_> = names.iter().collect();
     assert_eq!(distinct.len(), names.len(), "{names:?}");

@@ -15,10 +15,13 @@ use crate::report;
 /// Triangles that a leaf of the eight-wide layout holds.
 const LEAF: u32 = 4;
 
-pub(super) fn recipes() -> Vec<Box<dyn Recipe>> {
-    [Preset::Plain, Preset::SpatialSplits]
-        .map(|preset| Box::new(TinyBvh(preset)) as Box<dyn Recipe>)
-        .into()
+pub(super) fn recipes(has_spatial_splits: bool) -> Vec<Box<dyn Recipe>> {
+    let preset = if has_spatial_splits {
+        Preset::SpatialSplits
+    } else {
+        Preset::Plain
+    };
+    vec![Box::new(TinyBvh(preset))]
 }
 
 #[derive(Clone, Copy)]

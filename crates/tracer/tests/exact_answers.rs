@@ -5,12 +5,15 @@ use std::ops::ControlFlow;
 
 use proptest::prelude::*;
 use rayon::prelude::*;
+use tahko_bsp::{BspOptions, BspTree};
+use tahko_bvh::{Bvh, BvhOptions};
 use tahko_geometry::glam::Vec3;
 use tahko_geometry::oracle::Oracle;
 use tahko_geometry::test_support::{
     degenerate_meshes, grid_point, mesh, point, ray, rays_along_axes, rays_at_features, soup,
 };
-use tahko_geometry::{Hit, Precision, Ray, RayQuery, TriangleMesh};
+use tahko_geometry::{BruteForce, Hit, Precision, Ray, RayQuery, TriangleMesh};
+use tahko_kdtree::{KdTree, KdTreeOptions};
 use tahko_tracer::accelerator::{Accelerator, StructureKind};
 
 /// What has to be equal, to the bit.
@@ -170,5 +173,36 @@ proptest! {
 fn degenerate_meshes_of_all_kinds() {
     for (name, mesh) in degenerate_meshes() {
         check(name, &mesh, &some_rays(&mesh, 100));
+    }
+}
+
+/// The answers of a structure at another precision than it was built for are those of one that was built for it.
+#[test]
+fn a_tree_changes_its_precision_without_a_build() {
+    fn check<T: RayQuery>(what: &str, changed: T, built: T, rays: &[Ray]) {
+        assert_eq!(changed.precision(), Precision::Fast, "{what}");
+        for ray in rays {
+            let [changed, built] = [&changed, &built].map(|tree| tree.closest_hit(ray).map(bits));
+            assert_eq!(changed, built, "{what} {ray:?}");
+        }
+    }
+    let (fast, exact) = (Precision::Fast, Precision::Exact);
+    for (name, mesh) in degenerate_meshes() {
+        let rays = rays_at_features(&mesh);
+        let [changed, built] = [exact, fast].map(|precision| BruteForce::new(&mesh, precision));
+        check(name, changed.with_precision(fast), built, &rays);
+        let [changed, built] = [exact, fast].map(|precision| {
+            BspTree::build(&mesh, &BspOptions::default().with_precision(precision)).expect("builds")
+        });
+        check(name, changed.with_precision(fast), built, &rays);
+        let [changed, built] = [exact, fast].map(|precision| {
+            KdTree::build(&mesh, &KdTreeOptions::default().with_precision(precision))
+                .expect("builds")
+        });
+        check(name, changed.with_precision(fast), built, &rays);
+        let [changed, built] = [exact, fast].map(|precision| {
+            Bvh::build(&mesh, &BvhOptions::default().with_precision(precision)).expect("builds")
+        });
+        check(name, changed.with_precision(fast), built, &rays);
     }
 }
