@@ -4,24 +4,28 @@ use glam::DVec3;
 
 use crate::Triangle;
 
-/// The part of a triangle in a closed box, in f64: a convex polygon, or nothing (Sutherland and Hodgman).
+/// The part of a triangle in closed boxes, in f64: a convex polygon, or nothing (Sutherland and Hodgman).
 ///
 /// Only boxes cut it, and no memory is allocated; a [`Polygon`](crate::Polygon) is cut by any plane and keeps both parts.
 ///
 /// **Error of a cut point.** For one coordinate let `M` be the largest magnitude among the vertices, and `u = 2^-53`. The
 /// distances of two vertices from a plane have a relative error of `u` each and opposite signs, so the weight `d1 / (d1 - d2)` has
 /// a relative error of `4u`, and the point `a + weight (b - a)` an error below `14 u M`, whatever the angle between edge and
-/// plane. The six planes of the box make at most `84 u M`. In the direction of a plane's normal the point lies in the plane exactly.
+/// plane. The six planes of a box make at most `84 u M`, as much again each further box. In the direction of a plane's normal the point
+/// lies in the plane exactly.
 ///
 /// **Number of vertices.** Around a triangle each coordinate rises once and falls once. A cut point lies between the ends of
-/// its edge in every coordinate (it is held there against rounding), and a cut replaces neighbouring vertices by two cut points, so
-/// this stays true. Hence every plane crosses two edges at most, and adds one vertex at most: nine for the box.
+/// its edge in every coordinate (it is held there against rounding), and a cut replaces neighbouring vertices by at most two cut
+/// points, so this stays true: a plane cuts off vertices that are neighbours. Hence a cut makes one new edge, in the plane, and only shortens
+/// or removes others. A second cut from the same side along the same axis, further in, removes the edge that the first one made: its ends
+/// have exactly the coordinate of the first plane. So there are never more edges than the triangle's and one for each of six sides: nine, for any
+/// number of boxes.
 ///
 /// ```
 /// use tahko_geometry::{ClippedTriangle, Triangle, glam::{DVec3, Vec3}};
 ///
 /// let triangle = Triangle::new(Vec3::ZERO, Vec3::X * 1.5, Vec3::Y * 1.5);
-/// let part = ClippedTriangle::new(&triangle, DVec3::ZERO, DVec3::ONE);
+/// let part = ClippedTriangle::new(&triangle).in_box(DVec3::ZERO, DVec3::ONE);
 /// assert_eq!((part.vertices().len(), part.area()), (5, 0.875));
 /// ```
 #[derive(Clone, Copy, Debug)]
@@ -31,7 +35,7 @@ pub struct ClippedTriangle {
 }
 
 /// A vertex of a [`ClippedTriangle`].
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClippedVertex {
     /// Where it is.
     pub position: DVec3,
@@ -42,20 +46,34 @@ pub struct ClippedVertex {
 const MAX_VERTICES: usize = 9;
 
 impl ClippedTriangle {
-    /// The part of a triangle in the box between two corners. Planes that the triangle does not cross cost a comparison.
+    /// A whole triangle.
     #[must_use]
     #[inline]
-    pub fn new(triangle: &Triangle, min: DVec3, max: DVec3) -> Self {
-        let mut part = Self {
-            vertices: [ClippedVertex::default(); MAX_VERTICES],
-            count: 3,
-        };
-        let corners = triangle.vertices().map(glam::Vec3::as_dvec3);
-        for (vertex, corner) in part.vertices.iter_mut().zip(corners) {
-            vertex.position = corner;
+    pub fn new(triangle: &Triangle) -> Self {
+        let mut whole = Self::NOTHING;
+        for corner in triangle.vertices() {
+            whole.push(ClippedVertex {
+                position: corner.as_dvec3(),
+                is_cut: false,
+            });
         }
-        let [a, b, c] = corners;
-        let (least, most) = (a.min(b).min(c), a.max(b).max(c));
+        whole
+    }
+
+    const NOTHING: Self = Self {
+        vertices: [ClippedVertex {
+            position: DVec3::ZERO,
+            is_cut: false,
+        }; MAX_VERTICES],
+        count: 0,
+    };
+
+    /// The part in the box between two corners. Planes that the polygon does not cross cost a comparison.
+    #[must_use]
+    #[inline]
+    pub fn in_box(&self, min: DVec3, max: DVec3) -> Self {
+        let mut part = *self;
+        let (least, most) = self.bounds();
         for axis in 0..3 {
             if least[axis] < min[axis] {
                 part.cut(axis, min[axis], 1.0);
@@ -67,7 +85,18 @@ impl ClippedTriangle {
         part
     }
 
-    /// The vertices, in the order of the triangle's; none if no part of it is in the box.
+    /// The smallest and the largest coordinates; infinite, the smallest above the largest, if there is nothing.
+    #[must_use]
+    #[inline]
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let positions = || self.vertices().iter().map(|vertex| vertex.position);
+        (
+            positions().fold(DVec3::INFINITY, DVec3::min),
+            positions().fold(DVec3::NEG_INFINITY, DVec3::max),
+        )
+    }
+
+    /// The vertices, in the order of the triangle's; none if no part of it is in all boxes.
     #[must_use]
     #[inline]
     pub fn vertices(&self) -> &[ClippedVertex] {
@@ -93,15 +122,15 @@ impl ClippedTriangle {
     #[inline]
     fn cut(&mut self, axis: usize, plane: f64, side: f64) {
         let distance = |vertex: &ClippedVertex| (vertex.position[axis] - plane) * side;
-        let mut kept = Self {
-            vertices: [ClippedVertex::default(); MAX_VERTICES],
-            count: 0,
-        };
+        let mut kept = Self::NOTHING;
         let mut previous = self.vertices[self.count.saturating_sub(1)];
         let mut previous_distance = distance(&previous);
         for vertex in self.vertices() {
             let current_distance = distance(vertex);
-            if (current_distance < 0.0) != (previous_distance < 0.0) {
+            let crosses = |from: f64, to: f64| from < 0.0 && to > 0.0;
+            if crosses(previous_distance, current_distance)
+                || crosses(current_distance, previous_distance)
+            {
                 let weight = previous_distance / (previous_distance - current_distance);
                 kept.push(cut_point(
                     previous.position,
@@ -146,7 +175,7 @@ mod tests {
     use super::*;
 
     fn clip(triangle: &Triangle, min: Vec3, max: Vec3) -> ClippedTriangle {
-        ClippedTriangle::new(triangle, min.as_dvec3(), max.as_dvec3())
+        ClippedTriangle::new(triangle).in_box(min.as_dvec3(), max.as_dvec3())
     }
 
     #[test]
@@ -197,6 +226,36 @@ mod tests {
             "{}",
             area - clipped(1.75).area()
         );
+    }
+
+    #[test]
+    fn many_boxes_make_no_more_vertices_than_the_last() {
+        // Each box is a little smaller than the one before on one of six sides, until little is left.
+        let corners = [
+            Vec3::new(3.0, 0.1, -3.2),
+            Vec3::new(-3.1, 3.0, 0.3),
+            Vec3::new(0.2, -3.3, 3.1),
+        ];
+        let triangle = Triangle::new(corners[0], corners[1], corners[2]);
+        let [mut min, mut max] = [DVec3::splat(-2.0), DVec3::splat(2.0)];
+        let mut part = ClippedTriangle::new(&triangle);
+        for step in 0..600 {
+            let axis = step % 3;
+            if step % 2 == 0 {
+                min[axis] += 0.0171;
+            } else {
+                max[axis] -= 0.0173;
+            }
+            part = part.in_box(min, max);
+            let at_once = ClippedTriangle::new(&triangle).in_box(min, max);
+            assert_eq!(
+                part.vertices().len(),
+                at_once.vertices().len(),
+                "step {step}"
+            );
+            assert!((part.area() - at_once.area()).abs() < 1e-12, "step {step}");
+        }
+        assert!(part.area() < 0.5, "{part:?}");
     }
 
     #[test]

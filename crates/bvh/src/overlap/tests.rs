@@ -1,7 +1,6 @@
 use proptest::prelude::*;
-use tahko_geometry::glam::DVec3;
 use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
-use tahko_geometry::{Plane, Polygon, Split, TriangleMesh};
+use tahko_geometry::{Plane, Polygon, Split, Triangle, TriangleMesh};
 
 use super::*;
 use crate::BvhOptions;

@@ -14,7 +14,7 @@
 //! vertex. The box around vertices, with `2^-45 M` to both sides of cut points, contains the shadow.
 //! Then it is rounded outwards to f32 and cut down to the triangle's own box and to the cell.
 
-use tahko_geometry::glam::DVec3;
+use tahko_geometry::glam::{DVec3, Vec3};
 use tahko_geometry::{Aabb, ClippedTriangle, Triangle};
 
 /// The bound on the error of a cut point, relative to the largest magnitude of the coordinate: `2^-45`.
@@ -25,11 +25,8 @@ pub(super) fn clipped_bounds(triangle: &Triangle, cell: &Aabb) -> Option<Aabb> {
     let bounds = triangle.aabb();
     let magnitude = bounds.min.abs().max(bounds.max.abs()).as_dvec3();
     let error = magnitude * RELATIVE_ERROR;
-    let part = ClippedTriangle::new(
-        triangle,
-        cell.min.as_dvec3() - error,
-        cell.max.as_dvec3() + error,
-    );
+    let [min, max] = [cell.min, cell.max].map(Vec3::as_dvec3);
+    let part = ClippedTriangle::new(triangle).in_box(min - error, max + error);
     let clipped = bounds_of(&part, error)?
         .intersection(bounds)
         .intersection(*cell);
@@ -73,7 +70,6 @@ fn round_up(value: f64) -> f32 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use tahko_geometry::glam::Vec3;
     use tahko_geometry::test_support::{grid_point, point};
 
     use super::*;
