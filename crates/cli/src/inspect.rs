@@ -22,9 +22,11 @@ pub(crate) fn run(arguments: &InspectArguments, terminal: &Terminal) -> Result<(
     for kind in &arguments.accel.0 {
         let accelerator =
             structure::build(*kind, Precision::default(), scene.mesh(), path, progress)?;
-        report
-            .structures
-            .push(StructureReport::new(*kind, &accelerator));
+        progress.phase(&format!("measuring {}", kind.name()));
+        report.structures.push(InspectedStructure {
+            structure: StructureReport::new(*kind, &accelerator),
+            end_point_overlap: accelerator.end_point_overlap(),
+        });
     }
     progress.clear();
     let text = if arguments.json {
@@ -49,7 +51,15 @@ struct SceneReport {
     notes: Vec<String>,
     /// Number of threads that built the structures.
     threads: usize,
-    structures: Vec<StructureReport>,
+    structures: Vec<InspectedStructure>,
+}
+
+#[derive(Debug, Serialize)]
+struct InspectedStructure {
+    #[serde(flatten)]
+    structure: StructureReport,
+    /// What a ray is expected to cost because its end lies in boxes of other triangles, in triangle tests; only a BVH has it.
+    end_point_overlap: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -102,11 +112,16 @@ impl SceneReport {
     /// A column per structure.
     fn structure_table(&self) -> Table {
         let row = |label: &str, value: &dyn Fn(&StructureReport) -> String| {
-            let values = self.structures.iter().map(value);
+            let structures = self.structures.iter();
+            let values = structures.map(|inspected| value(&inspected.structure));
             std::iter::once(label.to_owned())
                 .chain(values)
                 .collect::<Vec<_>>()
         };
+        let overlaps = self.structures.iter().map(|inspected| {
+            let overlap = inspected.end_point_overlap;
+            overlap.map_or_else(|| "-".to_owned(), |overlap| format!("{overlap:.2}"))
+        });
         let mut table = Table::new();
         table
             .load_style(presets::NOTHING)
@@ -127,8 +142,18 @@ impl SceneReport {
                 row("bytes/triangle", &|report| {
                     format!("{:.1}", report.bytes_per_triangle)
                 }),
+                row("expected inner nodes", &|report| {
+                    format!("{:.2}", report.expected_visits.inner_nodes)
+                }),
+                row("expected leaves", &|report| {
+                    format!("{:.2}", report.expected_visits.leaves)
+                }),
+                row("expected tests", &|report| {
+                    format!("{:.2}", report.expected_visits.triangle_tests)
+                }),
                 row("SAH cost", &|report| format!("{:.2}", report.sah_cost)),
-            ]);
+            ])
+            .add_row(std::iter::once("end-point overlap".to_owned()).chain(overlaps));
         for (index, column) in table.column_iter_mut().enumerate() {
             let first = index == 0;
             column.set_padding(if first { (0, 1) } else { (1, 1) });

@@ -5,7 +5,7 @@ use std::path::Path;
 use anyhow::{Result, anyhow};
 use serde::Serialize;
 use tahko_tracer::accelerator::{Accelerator, StructureKind};
-use tahko_tracer::geometry::{Precision, TriangleMesh};
+use tahko_tracer::geometry::{ExpectedVisits, Precision, TriangleMesh};
 
 use crate::progress::Progress;
 
@@ -48,8 +48,29 @@ pub(crate) struct StructureReport {
     pub(crate) bytes: usize,
     /// Memory per triangle in bytes.
     pub(crate) bytes_per_triangle: f64,
-    /// Expected cost of a random ray, in units of one triangle test; null where it is not finite.
+    /// What a random line through the bounds is expected to visit.
+    pub(crate) expected_visits: VisitReport,
+    /// The cost of these visits, in units of one triangle test; null where it is not finite.
     pub(crate) sah_cost: f64,
+}
+
+/// Expected visits, as they appear in JSON.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct VisitReport {
+    pub(crate) inner_nodes: f64,
+    pub(crate) leaves: f64,
+    /// Triangle tests, were each triangle tested in every leaf that lists it.
+    pub(crate) triangle_tests: f64,
+}
+
+impl VisitReport {
+    const fn new(visits: ExpectedVisits) -> Self {
+        Self {
+            inner_nodes: visits.inner_nodes,
+            leaves: visits.leaves,
+            triangle_tests: visits.triangle_tests,
+        }
+    }
 }
 
 impl StructureReport {
@@ -67,6 +88,7 @@ impl StructureReport {
             references_per_triangle: statistics.references_per_primitive(),
             bytes: statistics.bytes,
             bytes_per_triangle: statistics.bytes_per_primitive(),
+            expected_visits: VisitReport::new(statistics.expected_visits),
             sah_cost: statistics.sah_cost,
         }
     }

@@ -29,6 +29,10 @@ fn json_holds_the_scene_and_every_structure() {
             references.is_some_and(|references| references >= 1.0),
             "{structure}"
         );
+        let tests = structure["expected_visits"]["triangle_tests"].as_f64();
+        assert!(tests.is_some_and(|tests| tests > 0.0), "{structure}");
+        let overlap = &structure["end_point_overlap"];
+        assert_eq!(overlap.is_number(), name == "bvh", "{structure}");
     }
     assert_eq!(report["structures"].as_array().map(Vec::len), Some(4));
 }
@@ -48,6 +52,14 @@ fn a_table_has_a_column_for_each_structure() {
             .collect()
     };
     assert_eq!(row(&all, "references/triangle").len(), 4, "{all}");
+    let overlaps = row(&all, "end-point overlap");
+    assert_eq!(overlaps[..3], ["-", "-", "-"], "{all}");
+    assert!(overlaps[3].parse::<f64>().is_ok(), "{all}");
+    assert_eq!(
+        row(&all, "expected tests")[0],
+        "2.00",
+        "brute force tests all: {all}"
+    );
     assert_eq!(
         row(&all, "nodes")[0],
         "0",

@@ -41,9 +41,16 @@ impl StructureKind {
 
 /// A structure over the triangles of a mesh, built with its default options.
 pub struct Accelerator {
-    query: Box<dyn RayQuery + Send>,
+    structure: Structure,
     statistics: TreeStatistics,
     build_time: Duration,
+}
+
+enum Structure {
+    Brute(BruteForce),
+    Bsp(BspTree),
+    KdTree(KdTree),
+    Bvh(Bvh),
 }
 
 /// Why a structure could not be built.
@@ -74,45 +81,33 @@ impl Accelerator {
         mesh: &TriangleMesh,
     ) -> Result<Self, AcceleratorError> {
         let start = Instant::now();
-        let (query, statistics): (Box<dyn RayQuery + Send>, _) = match kind {
-            StructureKind::Brute => {
-                let structure = BruteForce::new(mesh, precision);
-                let statistics = structure.statistics();
-                (Box::new(structure), statistics)
-            }
-            StructureKind::KdTree => {
-                let options = KdTreeOptions::default().with_precision(precision);
-                let structure = KdTree::build(mesh, &options)
-                    .map_err(|source| AcceleratorError::new(kind, source))?;
-                let statistics = structure.statistics();
-                (Box::new(structure), statistics)
-            }
-            StructureKind::Bvh => {
-                let options = BvhOptions::default().with_precision(precision);
-                let structure = Bvh::build(mesh, &options)
-                    .map_err(|source| AcceleratorError::new(kind, source))?;
-                let statistics = structure.statistics();
-                (Box::new(structure), statistics)
-            }
-            StructureKind::Bsp => {
-                let options = BspOptions::default().with_precision(precision);
-                let structure = BspTree::build(mesh, &options)
-                    .map_err(|source| AcceleratorError::new(kind, source))?;
-                let statistics = structure.statistics();
-                (Box::new(structure), statistics)
-            }
-        };
+        let structure = Structure::build(kind, precision, mesh)?;
+        let build_time = start.elapsed();
         Ok(Self {
-            query,
-            statistics,
-            build_time: start.elapsed(),
+            statistics: structure.statistics(),
+            structure,
+            build_time,
         })
     }
 
     /// The structure, to ask.
     #[must_use]
     pub fn query(&self) -> &dyn RayQuery {
-        &*self.query
+        match &self.structure {
+            Structure::Brute(structure) => structure,
+            Structure::Bsp(structure) => structure,
+            Structure::KdTree(structure) => structure,
+            Structure::Bvh(structure) => structure,
+        }
+    }
+
+    /// The end-point overlap of a bounding volume hierarchy ([`Bvh::end_point_overlap`]); `None` for other structures, which do not know it.
+    #[must_use]
+    pub fn end_point_overlap(&self) -> Option<f64> {
+        match &self.structure {
+            Structure::Bvh(structure) => Some(structure.end_point_overlap()),
+            Structure::Brute(_) | Structure::Bsp(_) | Structure::KdTree(_) => None,
+        }
     }
 
     /// What the structure looks like.
@@ -121,10 +116,46 @@ impl Accelerator {
         self.statistics
     }
 
-    /// How long the build took.
+    /// How long the build took, from the mesh until rays can be asked.
     #[must_use]
     pub const fn build_time(&self) -> Duration {
         self.build_time
+    }
+}
+
+impl Structure {
+    fn build(
+        kind: StructureKind,
+        precision: Precision,
+        mesh: &TriangleMesh,
+    ) -> Result<Self, AcceleratorError> {
+        Ok(match kind {
+            StructureKind::Brute => Self::Brute(BruteForce::new(mesh, precision)),
+            StructureKind::Bsp => {
+                let options = BspOptions::default().with_precision(precision);
+                let structure = BspTree::build(mesh, &options);
+                Self::Bsp(structure.map_err(|source| AcceleratorError::new(kind, source))?)
+            }
+            StructureKind::KdTree => {
+                let options = KdTreeOptions::default().with_precision(precision);
+                let structure = KdTree::build(mesh, &options);
+                Self::KdTree(structure.map_err(|source| AcceleratorError::new(kind, source))?)
+            }
+            StructureKind::Bvh => {
+                let options = BvhOptions::default().with_precision(precision);
+                let structure = Bvh::build(mesh, &options);
+                Self::Bvh(structure.map_err(|source| AcceleratorError::new(kind, source))?)
+            }
+        })
+    }
+
+    fn statistics(&self) -> TreeStatistics {
+        match self {
+            Self::Brute(structure) => structure.statistics(),
+            Self::Bsp(structure) => structure.statistics(),
+            Self::KdTree(structure) => structure.statistics(),
+            Self::Bvh(structure) => structure.statistics(),
+        }
     }
 }
 
