@@ -136,6 +136,9 @@ impl Structure {
 /// BSP trees are built over larger meshes only if they are asked for by name: they take minutes.
 const MAX_BSP_TRIANGLES: usize = 300_000;
 
+/// The end-point overlap is computed up to this product of the number of triangles and the SAH cost, which its time grows with: some seconds.
+const MAX_OVERLAP_EFFORT: f64 = 1e8;
+
 impl Recipe for Structure {
     fn max_triangles(&self) -> usize {
         if self.kind == StructureKind::Bsp && !self.is_named {
@@ -185,7 +188,10 @@ impl Recipe for Structure {
             ),
         };
         let end_point_overlap = match &tree {
-            Tree::Bvh(tree) => Some(tree.end_point_overlap()),
+            Tree::Bvh(tree) => {
+                let effort = statistics.sah_cost * statistics.primitives as f64;
+                (effort <= MAX_OVERLAP_EFFORT).then(|| tree.end_point_overlap())
+            }
             // Cells do not overlap.
             Tree::KdTree(_) | Tree::Bsp(_) => Some(0.0),
             Tree::Brute(_) => None,

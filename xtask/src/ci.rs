@@ -46,6 +46,11 @@ pub(crate) const STEPS: &[Step] = &[
     Step::new("examples", "cargo build --workspace --examples"),
     Step::new("golden", "cargo xtask golden"),
     Step::new("bench", "cargo xtask bench --smoke"),
+    // Each once, without timing; named, as the test harness of the library does not know the argument.
+    Step::new(
+        "criterion",
+        "cargo bench -p tahko-bench --bench bounds --bench kernels --bench polygons --bench predicates -- --test",
+    ),
 ];
 
 /// A command that must succeed.
@@ -174,7 +179,10 @@ mod tests {
 
     #[test]
     fn from_leaves_out_the_steps_before_and_only_all_others() {
-        assert_eq!(names_of(Some("golden"), None), ["golden", "bench"]);
+        assert_eq!(
+            names_of(Some("golden"), None),
+            ["golden", "bench", "criterion"]
+        );
         assert_eq!(names_of(None, Some("tidy")), ["tidy"]);
     }
 
