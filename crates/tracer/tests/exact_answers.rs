@@ -179,10 +179,10 @@ fn degenerate_meshes_of_all_kinds() {
 /// The answers of a structure at another precision than it was built for are those of one that was built for it.
 #[test]
 fn a_tree_changes_its_precision_without_a_build() {
-    fn check<T: RayQuery>(what: &str, changed: T, built: T, rays: &[Ray]) {
+    fn check<T: RayQuery>(what: &str, changed: &T, built: &T, rays: &[Ray]) {
         assert_eq!(changed.precision(), Precision::Fast, "{what}");
         for ray in rays {
-            let [changed, built] = [&changed, &built].map(|tree| tree.closest_hit(ray).map(bits));
+            let [changed, built] = [changed, built].map(|tree| tree.closest_hit(ray).map(bits));
             assert_eq!(changed, built, "{what} {ray:?}");
         }
     }
@@ -190,19 +190,19 @@ fn a_tree_changes_its_precision_without_a_build() {
     for (name, mesh) in degenerate_meshes() {
         let rays = rays_at_features(&mesh);
         let [changed, built] = [exact, fast].map(|precision| BruteForce::new(&mesh, precision));
-        check(name, changed.with_precision(fast), built, &rays);
+        check(name, &changed.with_precision(fast), &built, &rays);
         let [changed, built] = [exact, fast].map(|precision| {
             BspTree::build(&mesh, &BspOptions::default().with_precision(precision)).expect("builds")
         });
-        check(name, changed.with_precision(fast), built, &rays);
+        check(name, &changed.with_precision(fast), &built, &rays);
         let [changed, built] = [exact, fast].map(|precision| {
             KdTree::build(&mesh, &KdTreeOptions::default().with_precision(precision))
                 .expect("builds")
         });
-        check(name, changed.with_precision(fast), built, &rays);
+        check(name, &changed.with_precision(fast), &built, &rays);
         let [changed, built] = [exact, fast].map(|precision| {
             Bvh::build(&mesh, &BvhOptions::default().with_precision(precision)).expect("builds")
         });
-        check(name, changed.with_precision(fast), built, &rays);
+        check(name, &changed.with_precision(fast), &built, &rays);
     }
 }
