@@ -9,7 +9,7 @@ use super::super::format::{count, number, percent, seconds};
 use super::super::mark::OWN_LIBRARY;
 use super::super::mistakes::Mistakes;
 use super::{builds, exactness};
-use crate::report::Contender;
+use crate::report::{Contender, RayClass};
 
 pub(in super::super) fn paragraph(context: &Context<'_>) -> Markup {
     html! {
@@ -77,14 +77,19 @@ fn fastest(context: &Context<'_>) -> Markup {
     }
 }
 
-/// Who gave no wrong answer at all.
+/// Who gave no wrong answer at all, of those that answered every class of rays: packets leave out the hard ones.
 fn free_of_errors(context: &Context<'_>) -> Markup {
-    let contenders = traced(context);
+    let rows = || context.report.scenes.iter().flat_map(|scene| &scene.traces);
+    let classes: BTreeSet<RayClass> = rows().map(|row| row.class).collect();
+    let mut contenders = traced(context);
+    contenders.retain(|contender| {
+        let own = rows().filter(|row| row.contender == **contender);
+        own.map(|row| row.class).collect::<BTreeSet<_>>() == classes
+    });
     let clean: Vec<&&Contender> = contenders
         .iter()
         .filter(|contender| {
-            let rows = context.report.scenes.iter().flat_map(|scene| &scene.traces);
-            let own = rows.filter(|row| row.contender == ***contender);
+            let own = rows().filter(|row| row.contender == ***contender);
             own.map(|row| &row.errors).collect::<Mistakes>().is_clean()
         })
         .collect();
@@ -95,7 +100,7 @@ fn free_of_errors(context: &Context<'_>) -> Markup {
     let others = clean.len() - names.len();
     html! {
         @if !contenders.is_empty() {
-            "Of all " (contenders.len()) ", " @if clean.is_empty() { "none" } @else { (clean.len()) } " gave no wrong answer to any audited "
+            "Of the " (contenders.len()) " that answered rays of every class, " @if clean.is_empty() { "none" } @else { (clean.len()) } " gave no wrong answer to any audited "
             "ray of any class"
             @if !names.is_empty() && names.len() <= 8 {
                 ": tahko’s " (names.join(", "))
