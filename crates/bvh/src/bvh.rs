@@ -1,9 +1,10 @@
 //! The public type.
 
+use tahko_geometry::simd::{AvailableSimd, SimdLevel};
 use tahko_geometry::{Aabb, Precision, TriangleMesh};
 
 use crate::build::BinaryTree;
-use crate::layout::Bvh2;
+use crate::wide::{Costs, WideBvh};
 use crate::{BuildError, BvhOptions};
 
 /// A bounding volume hierarchy over a triangle mesh.
@@ -11,10 +12,17 @@ use crate::{BuildError, BvhOptions};
 /// Ask it through [`RayQuery`](tahko_geometry::RayQuery). It owns a copy of the triangles and does not borrow from the
 /// mesh. Every triangle is listed once, degenerate ones included. Two trees are equal if they have equal nodes,
 /// triangles and options.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Bvh {
-    layout: Bvh2,
+    layout: WideBvh,
     options: BvhOptions,
+    simd: AvailableSimd,
+}
+
+impl PartialEq for Bvh {
+    fn eq(&self, other: &Self) -> bool {
+        self.layout == other.layout && self.options == other.options
+    }
 }
 
 impl Bvh {
@@ -31,8 +39,9 @@ impl Bvh {
         options.check()?;
         let tree = BinaryTree::build(mesh, options);
         Ok(Self {
-            layout: Bvh2::new(&tree, mesh),
+            layout: WideBvh::new(&tree, mesh, &Costs::new(options)),
             options: options.clone(),
+            simd: AvailableSimd::best(),
         })
     }
 
@@ -49,10 +58,24 @@ impl Bvh {
         self
     }
 
+    /// The same tree, asked with other instructions: the best ones that the processor has are the default. `None` if it does not have these.
+    /// The answers are the same, bit for bit.
+    #[must_use]
+    pub fn with_simd(mut self, level: SimdLevel) -> Option<Self> {
+        self.simd = level.available()?;
+        Some(self)
+    }
+
+    /// The instructions that queries use.
+    #[must_use]
+    pub const fn simd_level(&self) -> SimdLevel {
+        self.simd.level()
+    }
+
     /// The smallest box around all triangles; empty for none.
     #[must_use]
-    pub fn bounds(&self) -> Aabb {
-        self.layout.bounds()
+    pub const fn bounds(&self) -> Aabb {
+        self.layout.bounds
     }
 
     /// The number of nodes, leaves included.
@@ -67,56 +90,11 @@ impl Bvh {
         self.layout.depth
     }
 
-    pub(crate) const fn layout(&self) -> &Bvh2 {
+    pub(crate) const fn layout(&self) -> &WideBvh {
         &self.layout
     }
-}
 
-#[cfg(test)]
-mod tests {
-    use tahko_geometry::glam::Vec3;
-
-    use super::*;
-
-    /// Triangles between neighbouring points of a sequence whose coordinates are exact in f32.
-    fn mesh() -> TriangleMesh {
-        let points = (0u32..40_002).map(|i| {
-            let [x, y, z] = [48_271, 69_621, 16_807].map(|factor| i.wrapping_mul(factor) % 8191);
-            Vec3::from([x, y, z].map(|coordinate| coordinate as f32))
-        });
-        let indices = (0..40_000).map(|i| [i, i + 1, i + 2]);
-        TriangleMesh::new(points.collect(), indices.collect()).expect("finite vertices")
-    }
-
-    /// FNV-1a over all bits of the layout.
-    fn fingerprint(layout: &Bvh2) -> u64 {
-        let nodes = layout.nodes().flat_map(|node| {
-            let Aabb { min, max } = node.bounds();
-            let corners = [min, max].map(|corner| corner.to_array().map(f32::to_bits));
-            let links = [node.first(), node.count()].map(|link| link as u64);
-            corners.into_iter().flatten().map(u64::from).chain(links)
-        });
-        let numbers = layout.triangles.iter().map(|leaf| u64::from(leaf.number));
-        nodes
-            .chain(numbers)
-            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
-                (hash ^ word).wrapping_mul(0x0000_0100_0000_01b3)
-            })
-    }
-
-    /// The expected values are the same with and without the `parallel` feature. They change with the
-    /// build's decisions: that is no fault, if the cost of the tree did not grow.
-    #[test]
-    fn threads_do_not_show_in_the_tree() {
-        let mesh = mesh();
-        for (options, expected) in [
-            (BvhOptions::fast(), 0x54eb_0616_aaa3_4adb),
-            (BvhOptions::balanced(), 0x0217_965d_5a70_e8d9),
-            (BvhOptions::high_quality(), 0x0f0e_6163_7700_08d6),
-        ] {
-            let bvh = Bvh::build(&mesh, &options).expect("options in range");
-            let found = fingerprint(bvh.layout());
-            assert_eq!(found, expected, "{found:#x}, {}", bvh.statistics().sah_cost);
-        }
+    pub(crate) const fn simd(&self) -> AvailableSimd {
+        self.simd
     }
 }

@@ -34,19 +34,13 @@
 //!
 //! # Features
 //! - `parallel` (default): build on the threads of the current rayon pool.
-#![forbid(unsafe_code)]
 
 mod build;
 mod bvh;
-mod layout;
-mod node;
 mod options;
-mod overlap;
 mod parallel;
 mod statistics;
-mod traverse;
-mod validate;
+mod wide;
 
 pub use bvh::Bvh;
 pub use options::{BuildError, BvhOptions};
-pub use validate::{Content, ValidationError};

@@ -1,30 +1,28 @@
 //! Statistics of a tree.
 
-use tahko_geometry::{ExpectedVisits, TreeStatistics};
+use tahko_geometry::{Aabb, ExpectedVisits, TreeStatistics, TriangleBlock};
 
 use crate::Bvh;
-use crate::node::{LeafTriangle, Siblings};
+use crate::wide::{Child, Kind, WideNode};
 
 impl Bvh {
     /// What the tree looks like and what a random ray is expected to cost in it.
     ///
-    /// The cost of an inner node is `traversal_cost / intersection_cost`. Where the bounds have no area (all triangles
-    /// on a line along an axis), every node counts as visited. Cost: O(n).
+    /// The cost of an inner node, with its up to eight box tests, is `traversal_cost / intersection_cost`. Where the bounds have no area (all
+    /// triangles on a line along an axis), every node counts as visited. Cost: O(n).
     #[must_use]
     pub fn statistics(&self) -> TreeStatistics {
         let layout = self.layout();
         let expected_visits = self.expected_visits();
-        let leaves = layout.nodes().filter(|node| node.is_leaf()).count();
+        let references = layout.blocks.iter().flat_map(TriangleBlock::triangles);
         TreeStatistics {
-            primitives: layout.triangles.len(),
+            primitives: layout.triangle_count,
             nodes: layout.node_count(),
-            leaves,
+            leaves: layout.node_count() - layout.nodes.len(),
             empty_leaves: 0,
             depth: layout.depth,
-            references: layout.triangles.len(),
-            bytes: size_of_val(&layout.root)
-                + size_of::<Siblings>() * layout.siblings.len()
-                + size_of::<LeafTriangle>() * layout.triangles.len(),
+            references: references.count(),
+            bytes: size_of_val(&*layout.nodes) + size_of_val(&*layout.blocks),
             expected_visits,
             sah_cost: expected_visits.cost(self.inner_node_cost()),
         }
@@ -36,15 +34,25 @@ impl Bvh {
     }
 
     fn expected_visits(&self) -> ExpectedVisits {
+        let layout = self.layout();
         let mut visits = ExpectedVisits::default();
-        let root_area = self.bounds().half_area();
-        for node in self.layout().nodes() {
-            let probability = ExpectedVisits::probability(node.bounds().half_area(), root_area);
-            if node.is_leaf() {
-                visits.add_leaf(probability, node.count());
-            } else {
-                visits.add_inner_node(probability);
+        let root_area = layout.bounds.half_area();
+        let mut add = |bounds: &Aabb, child: Child| {
+            let probability = ExpectedVisits::probability(bounds.half_area(), root_area);
+            match child.kind() {
+                Kind::Inner(_) => visits.add_inner_node(probability),
+                Kind::Leaf(first) => {
+                    let blocks = layout.leaf_blocks(first).iter();
+                    let count = blocks.flat_map(TriangleBlock::triangles).count();
+                    visits.add_leaf(probability, count);
+                }
             }
+        };
+        if layout.root != Child::NOTHING {
+            add(&layout.bounds, layout.root);
+        }
+        for (bounds, child) in layout.nodes.iter().flat_map(WideNode::children) {
+            add(&bounds, child);
         }
         visits
     }

@@ -73,6 +73,7 @@ mod axis;
 mod brute_force;
 mod clipped_triangle;
 mod conservative_ray;
+mod fused_ray;
 pub mod kernel;
 mod mesh;
 #[cfg(feature = "oracle")]
@@ -82,29 +83,35 @@ mod polygon;
 pub mod predicate;
 pub mod query;
 mod ray;
+pub mod simd;
 mod statistics;
 mod surface_point;
 #[cfg(feature = "test-support")]
 pub mod test_support;
 mod transform;
 mod triangle;
+mod triangle_block;
 
 pub use aabb::Aabb;
 pub use axis::Axis;
 pub use brute_force::BruteForce;
 pub use clipped_triangle::{ClippedTriangle, ClippedVertex};
-pub use conservative_ray::{ConservativeRay, Interval};
+pub use conservative_ray::{ConservativeRay, Interval, Slabs};
+pub use fused_ray::FusedRay;
 pub use glam;
-pub use kernel::{Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop};
+pub use kernel::{
+    BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop,
+};
 pub use mesh::{DroppedTriangle, MeshError, TriangleMesh};
 pub use plane::{Plane, Side};
 pub use polygon::{Polygon, PolygonError, Split};
 pub use query::{
-    AnyHit, Candidate, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, RungCounts,
-    TraversalCounter, Traverse, test_triangle,
+    AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery,
+    RungCounts, TraversalCounter, Traverse, test_block, test_triangle,
 };
 pub use ray::Ray;
 pub use statistics::{ExpectedVisits, TreeStatistics};
 pub use surface_point::SurfacePoint;
 pub use transform::Transform;
 pub use triangle::Triangle;
+pub use triangle_block::TriangleBlock;

@@ -87,6 +87,11 @@ impl BinaryTree {
         (node.bounds, node.link)
     }
 
+    /// Places in the list of nodes, used or not.
+    pub(crate) fn node_count(&self) -> usize {
+        self.nodes.len()
+    }
+
     pub(crate) fn is_empty(&self) -> bool {
         self.references.is_empty()
     }

@@ -80,6 +80,8 @@ pub(crate) const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 26) as f64;
 impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     const REACH: f32 = 0.0;
 
+    type Block = super::ExactBlockFilter;
+
     fn new(ray: &Ray) -> Self {
         let power = power_of_two(ray.direction);
         let scaled_direction = (ray.direction.as_dvec3() / power).as_vec3();
@@ -107,7 +109,7 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         counter: &mut C,
     ) -> Option<TriangleHit> {
         if self.certainly_misses(triangle, t_max) {
-            counter.decision(Rung::F32);
+            counter.decisions(Rung::F32, 1);
             return None;
         }
         self.intersect_in_f64(triangle, t_max, counter)
@@ -213,7 +215,7 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         let positive = [of_a > error_a, of_b > error_b, of_c > error_c];
         let negative = [of_a < -error_a, of_b < -error_b, of_c < -error_c];
         if positive.contains(&true) && negative.contains(&true) {
-            counter.decision(Rung::F64);
+            counter.decisions(Rung::F64, 1);
             return None;
         }
         let is_well_conditioned = error_a <= WEIGHT_ERROR * determinant.abs();
@@ -227,7 +229,7 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         };
         let [low, high] = [t - error, t + error].map(rounded);
         if low > t_max || high < self.ray.t_min {
-            counter.decision(Rung::F64);
+            counter.decisions(Rung::F64, 1);
             return None;
         }
         let is_certain = low == high && low != self.ray.t_min && low != self.ray.t_max;
@@ -239,11 +241,11 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         if certain != [true; 3] {
             rung = Rung::Exact;
             if !self.is_inside_exactly(triangle, certain, Sign::of(determinant)) {
-                counter.decision(rung);
+                counter.decisions(rung, 1);
                 return None;
             }
         }
-        counter.decision(rung);
+        counter.decisions(rung, 1);
         Some(TriangleHit::new(
             low,
             of_b / determinant,
@@ -273,7 +275,7 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         t_max: f32,
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        counter.decision(Rung::Exact);
+        counter.decisions(Rung::Exact, 1);
         let hit =
             intersect_exactly(&self.ray, triangle, Self::RULE)?.rounded_in_interval(&self.ray)?;
         (hit.t <= t_max).then_some(hit)

@@ -12,13 +12,17 @@
 //! the exact kernels. So whatever a kernel accepts lies in a cell that the traversal visits, and all structures give the
 //! answer of brute force.
 
+mod block;
 mod confirm;
 mod exact;
+mod exact_block;
 mod moller_trumbore;
 mod woop;
 
+pub use block::{BlockFilter, BlockVerdict, NoFilter};
 pub(crate) use exact::WEIGHT_ERROR;
 pub use exact::{Exact, ExactCrossing, Ladder};
+pub use exact_block::ExactBlockFilter;
 pub use moller_trumbore::MollerTrumbore;
 pub use woop::Woop;
 
@@ -112,6 +116,9 @@ impl TriangleHit {
 pub trait TriangleKernel: Copy {
     /// The constant of the promise in the module's documentation, in units of `2^-24`.
     const REACH: f32;
+
+    /// Its filter for blocks of triangles.
+    type Block: BlockFilter;
 
     /// Prepares a valid ray.
     fn new(ray: &Ray) -> Self;

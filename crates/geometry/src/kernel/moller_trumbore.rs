@@ -26,6 +26,8 @@ pub struct MollerTrumbore {
 impl TriangleKernel for MollerTrumbore {
     const REACH: f32 = confirm::REACH;
 
+    type Block = super::NoFilter;
+
     fn new(ray: &Ray) -> Self {
         Self {
             origin: ray.origin,

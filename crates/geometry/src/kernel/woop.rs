@@ -56,6 +56,8 @@ struct Projected {
 impl TriangleKernel for Woop {
     const REACH: f32 = confirm::REACH;
 
+    type Block = super::NoFilter;
+
     fn new(ray: &Ray) -> Self {
         let axis = Axis::dominant(ray.direction);
         let [x, y, z] = [axis.next(), axis.next().next(), axis].map(|axis| axis as usize);

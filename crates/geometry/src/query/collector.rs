@@ -3,8 +3,9 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
-use super::{Hit, TraversalCounter};
-use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
+use super::{Hit, TraversalCounter, offer_triangle};
+use crate::predicate::Rung;
+use crate::{Interval, Ray, Triangle, TriangleHit, TriangleKernel};
 
 /// A triangle that a kernel accepted.
 #[derive(Clone, Copy, Debug)]
@@ -18,7 +19,7 @@ pub struct Candidate<'a> {
 }
 
 impl Candidate<'_> {
-    fn hit(&self) -> Hit {
+    pub(super) fn hit(&self) -> Hit {
         let TriangleHit { t, u, v } = self.hit;
         Hit {
             t,
@@ -29,8 +30,22 @@ impl Candidate<'_> {
     }
 }
 
+/// A triangle that is certainly hit.
+#[derive(Clone, Copy, Debug)]
+pub struct CertainHit {
+    /// Its index in the mesh.
+    pub primitive: u32,
+    /// The triangle.
+    pub triangle: Triangle,
+    /// Where the exact `t` is for certain.
+    pub t: Interval,
+}
+
 /// The goal of a search.
 pub trait HitCollector {
+    /// Whether the search is over sooner if what is nearer comes first.
+    const ORDERED: bool;
+
     /// The largest rounded `t` that still matters. A traversal may skip whatever begins beyond it.
     fn t_max(&self) -> f32;
 
@@ -42,79 +57,34 @@ pub trait HitCollector {
         candidate: &Candidate<'_>,
         counter: &mut C,
     ) -> ControlFlow<()>;
-}
 
-/// Collects the closest hit: smallest `t`, then smallest primitive.
-#[derive(Clone, Copy, Debug)]
-pub struct ClosestHit {
-    t_max: f32,
-    ignored: Option<u32>,
-    best: Option<(Hit, Triangle)>,
-}
-
-impl ClosestHit {
-    /// A search up to the ray's `t_max`.
-    #[must_use]
-    pub const fn new(ray: &Ray) -> Self {
-        Self {
-            t_max: ray.t_max,
-            ignored: None,
-            best: None,
-        }
-    }
-
-    /// The same search without one primitive.
-    #[must_use]
-    pub const fn ignoring(self, primitive: u32) -> Self {
-        Self {
-            ignored: Some(primitive),
-            ..self
-        }
-    }
-
-    /// The closest hit so far.
-    #[must_use]
-    pub fn hit(&self) -> Option<Hit> {
-        self.best.map(|(hit, _)| hit)
-    }
-}
-
-impl HitCollector for ClosestHit {
+    /// Takes a triangle that is certainly hit, at a `t` inside the ray's interval that is known only roughly so far; the same triangle may come more
+    /// than once. `Break` ends the traversal.
+    ///
+    /// A collector may put off what it takes to know the hit, or do without; then it wants [`finish`](Self::finish).
     #[inline]
-    fn t_max(&self) -> f32 {
-        self.t_max
-    }
-
-    #[inline]
-    fn collect<K: TriangleKernel, C: TraversalCounter>(
+    fn collect_certain<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         kernel: &K,
-        candidate: &Candidate<'_>,
+        certain: &CertainHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
-        if self.ignored == Some(candidate.primitive) {
-            return ControlFlow::Continue(());
-        }
-        let is_closer = self.best.is_none_or(|(best, triangle)| {
-            compare(
-                kernel,
-                (&candidate.hit(), candidate.triangle),
-                (&best, &triangle),
-                counter,
-            )
-            .is_lt()
-        });
-        if is_closer {
-            self.t_max = candidate.hit.t;
-            self.best = Some((candidate.hit(), *candidate.triangle));
-        }
-        ControlFlow::Continue(())
+        let CertainHit {
+            primitive,
+            triangle,
+            ..
+        } = certain;
+        offer_triangle(kernel, triangle, *primitive, self, counter)
     }
+
+    /// Does what was put off. Called at the end of a traversal that offered [certain hits](Self::collect_certain).
+    #[inline]
+    fn finish<K: TriangleKernel, C: TraversalCounter>(&mut self, _kernel: &K, _counter: &mut C) {}
 }
 
 /// The order of hits along a ray: by `t`, then by primitive.
 #[inline]
-fn compare<K: TriangleKernel, C: TraversalCounter>(
+pub(super) fn compare<K: TriangleKernel, C: TraversalCounter>(
     kernel: &K,
     first: (&Hit, &Triangle),
     second: (&Hit, &Triangle),
@@ -169,6 +139,8 @@ impl AnyHit {
 }
 
 impl HitCollector for AnyHit {
+    const ORDERED: bool = false;
+
     #[inline]
     fn t_max(&self) -> f32 {
         self.t_max
@@ -182,6 +154,21 @@ impl HitCollector for AnyHit {
         _counter: &mut C,
     ) -> ControlFlow<()> {
         if self.ignored == Some(candidate.primitive) {
+            return ControlFlow::Continue(());
+        }
+        self.found = true;
+        ControlFlow::Break(())
+    }
+
+    #[inline]
+    fn collect_certain<K: TriangleKernel, C: TraversalCounter>(
+        &mut self,
+        _kernel: &K,
+        certain: &CertainHit,
+        counter: &mut C,
+    ) -> ControlFlow<()> {
+        counter.decisions(Rung::F32, 1);
+        if self.ignored == Some(certain.primitive) {
             return ControlFlow::Continue(());
         }
         self.found = true;
@@ -231,6 +218,8 @@ impl AllHits {
 }
 
 impl HitCollector for AllHits {
+    const ORDERED: bool = false;
+
     #[inline]
     fn t_max(&self) -> f32 {
         self.t_max

@@ -30,12 +30,12 @@ pub struct RungCounts {
 }
 
 impl RungCounts {
-    fn count(&mut self, rung: Rung) {
+    fn add(&mut self, rung: Rung, count: u64) {
         *match rung {
             Rung::F32 => &mut self.f32,
             Rung::F64 => &mut self.f64,
             Rung::Exact => &mut self.exact,
-        } += 1;
+        } += count;
     }
 }
 
@@ -63,10 +63,10 @@ pub trait TraversalCounter {
     fn node_visit(&mut self);
     /// The ray was tested against `count` boxes or planes.
     fn bound_tests(&mut self, count: u64);
-    /// The ray was tested against a triangle.
-    fn triangle_test(&mut self);
-    /// A triangle test was settled on a rung of the ladder.
-    fn decision(&mut self, rung: Rung);
+    /// The ray was tested against `count` triangles.
+    fn triangle_tests(&mut self, count: u64);
+    /// `count` triangle tests were settled on a rung of the ladder.
+    fn decisions(&mut self, rung: Rung, count: u64);
     /// The order of two hits with equal rounded `t` was settled on a rung of the ladder.
     fn order(&mut self, rung: Rung);
 }
@@ -77,9 +77,9 @@ impl TraversalCounter for () {
     #[inline]
     fn bound_tests(&mut self, _count: u64) {}
     #[inline]
-    fn triangle_test(&mut self) {}
+    fn triangle_tests(&mut self, _count: u64) {}
     #[inline]
-    fn decision(&mut self, _rung: Rung) {}
+    fn decisions(&mut self, _rung: Rung, _count: u64) {}
     #[inline]
     fn order(&mut self, _rung: Rung) {}
 }
@@ -94,15 +94,15 @@ impl TraversalCounter for QueryCounts {
         self.bound_tests += count;
     }
     #[inline]
-    fn triangle_test(&mut self) {
-        self.triangle_tests += 1;
+    fn triangle_tests(&mut self, count: u64) {
+        self.triangle_tests += count;
     }
     #[inline]
-    fn decision(&mut self, rung: Rung) {
-        self.rungs.count(rung);
+    fn decisions(&mut self, rung: Rung, count: u64) {
+        self.rungs.add(rung, count);
     }
     #[inline]
     fn order(&mut self, rung: Rung) {
-        self.orders.count(rung);
+        self.orders.add(rung, 1);
     }
 }

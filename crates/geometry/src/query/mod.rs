@@ -1,5 +1,6 @@
 //! The query trait that all structures share, and what traversals need to serve it.
 
+mod closest;
 mod collector;
 mod counts;
 
@@ -7,11 +8,14 @@ use std::ops::ControlFlow;
 
 use glam::Vec3;
 
-pub use collector::{AllHits, AnyHit, Candidate, ClosestHit, HitCollector};
+pub use closest::ClosestHit;
+pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 
-use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, Woop};
-use crate::{Axis, Precision, Ray, TriangleKernel};
+use crate::kernel::{BlockFilter, Exact, ExactCrossing, MollerTrumbore, Woop};
+use crate::predicate::Rung;
+use crate::simd::{LANES, Simd};
+use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleKernel};
 
 /// The hit of a ray on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -212,7 +216,19 @@ pub fn test_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     collector: &mut H,
     counter: &mut C,
 ) -> ControlFlow<()> {
-    counter.triangle_test();
+    counter.triangle_tests(1);
+    offer_triangle(kernel, triangle, primitive, collector, counter)
+}
+
+/// Tests a triangle that was counted.
+#[inline]
+fn offer_triangle<K: TriangleKernel, H: HitCollector + ?Sized, C: TraversalCounter>(
+    kernel: &K,
+    triangle: &crate::Triangle,
+    primitive: u32,
+    collector: &mut H,
+    counter: &mut C,
+) -> ControlFlow<()> {
     match kernel.intersect(triangle, collector.t_max(), counter) {
         Some(hit) => {
             let candidate = Candidate {
@@ -224,4 +240,57 @@ pub fn test_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
         }
         None => ControlFlow::Continue(()),
     }
+}
+
+/// Tests a block of triangles and offers the hits to the collector: the inner step of vector traversals.
+#[inline(always)]
+pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+    simd: S,
+    (kernel, filter): (&K, &K::Block),
+    block: &TriangleBlock,
+    collector: &mut H,
+    counter: &mut C,
+) -> ControlFlow<()> {
+    let verdict = filter.test(simd, block, collector.t_max());
+    let used = block.used();
+    counter.triangle_tests(u64::from(used.count_ones()));
+    let possible = verdict.as_ref().map_or(0, |verdict| verdict.possible);
+    counter.decisions(Rung::F32, u64::from((used & !possible).count_ones()));
+    let Some(verdict) = verdict else {
+        return ControlFlow::Continue(());
+    };
+    for lane in lanes(verdict.certain) {
+        let t = Interval {
+            start: verdict.starts.0[lane],
+            end: verdict.ends.0[lane],
+        };
+        if t.start > collector.t_max() {
+            counter.decisions(Rung::F32, 1);
+            continue;
+        }
+        let certain = CertainHit {
+            primitive: block.used_number(lane),
+            triangle: block.triangle(lane),
+            t,
+        };
+        collector.collect_certain(kernel, &certain, counter)?;
+    }
+    for lane in lanes(verdict.possible & !verdict.certain) {
+        let (triangle, primitive) = (block.triangle(lane), block.used_number(lane));
+        offer_triangle(kernel, &triangle, primitive, collector, counter)?;
+    }
+    ControlFlow::Continue(())
+}
+
+/// The numbers of the bits that are set, all below 8.
+#[inline(always)]
+fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        (bits != 0).then(|| {
+            bits &= bits - 1;
+            // Says that lanes are in range.
+            lane as usize % LANES
+        })
+    })
 }

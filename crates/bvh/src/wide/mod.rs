@@ -1,0 +1,76 @@
+//! The layout with up to eight children per node, made from a [`BinaryTree`].
+
+mod collapse;
+mod emit;
+mod node;
+mod stack;
+mod traverse;
+
+use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
+
+use crate::build::BinaryTree;
+
+pub(crate) use self::collapse::Costs;
+pub(crate) use self::node::{Child, Kind, WideNode};
+
+/// Nodes and triangles as queries read them.
+///
+/// Nodes stand depth first: a node's first inner child follows it. The blocks of the leaves stand in the order in which they are met
+/// there; block 0 is empty.
+#[derive(Clone, Debug)]
+pub(crate) struct WideBvh {
+    /// Nothing for a tree over no triangles.
+    pub(crate) root: Child,
+    pub(crate) bounds: Aabb,
+    pub(crate) nodes: Vec<WideNode>,
+    pub(crate) blocks: Vec<TriangleBlock>,
+    /// Nodes on the longest way from the root to a leaf, both included.
+    pub(crate) depth: usize,
+    /// Triangles of the mesh.
+    pub(crate) triangle_count: usize,
+    /// The most children that wait at a time in a traversal.
+    pub(crate) stack_size: usize,
+}
+
+/// Unused lanes hold NaN, so the coordinates of triangles are not compared as lanes are.
+impl PartialEq for WideBvh {
+    fn eq(&self, other: &Self) -> bool {
+        let blocks = |bvh: &Self| bvh.blocks.len();
+        let triangles = |bvh: &'_ Self| -> Vec<_> {
+            bvh.blocks
+                .iter()
+                .flat_map(TriangleBlock::triangles)
+                .collect()
+        };
+        self.root == other.root
+            && self.nodes == other.nodes
+            && blocks(self) == blocks(other)
+            && triangles(self) == triangles(other)
+    }
+}
+
+impl WideBvh {
+    /// The number of nodes and leaves that hold triangles.
+    pub(crate) fn node_count(&self) -> usize {
+        let leaves = self
+            .blocks
+            .iter()
+            .skip(1)
+            .filter(|block| !block.continues())
+            .count();
+        self.nodes.len() + leaves
+    }
+
+    /// The triangles of a leaf.
+    pub(crate) fn leaf_blocks(&self, first: usize) -> &[TriangleBlock] {
+        let blocks = &self.blocks[first..];
+        let count = blocks.iter().take_while(|block| block.continues()).count() + 1;
+        &blocks[..count]
+    }
+
+    /// Lays out a tree over the triangles of a mesh. Cost: O(n).
+    pub(crate) fn new(tree: &BinaryTree, mesh: &TriangleMesh, costs: &Costs) -> Self {
+        let collapse = collapse::Collapse::new(tree, costs);
+        emit::emit(tree, &collapse, mesh)
+    }
+}

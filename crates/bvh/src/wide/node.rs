@@ -1,0 +1,103 @@
+//! The nodes that queries read.
+
+use tahko_geometry::Aabb;
+use tahko_geometry::glam::Vec3;
+use tahko_geometry::simd::{LANES, Lanes};
+
+/// The boxes of up to eight children and where they are: 256 bytes, four cache lines.
+///
+/// Unused lanes have a box that is inside out, which no ray enters, and stand for the leaf without triangles.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(256))]
+pub(crate) struct WideNode {
+    /// By axis: the smallest coordinates, then the largest.
+    pub(crate) bounds: [[Lanes; 2]; 3],
+    pub(crate) children: [Child; LANES],
+}
+
+const _: () = assert!(size_of::<WideNode>() == 256, "four cache lines");
+
+/// Where a child is: a node, or a leaf with its triangles.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Child(u32);
+
+/// What a child is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// The index of a node.
+    Inner(usize),
+    /// The index of the first block of a leaf's triangles.
+    Leaf(usize),
+}
+
+impl Child {
+    const LEAF: u32 = 1 << 31;
+
+    /// The leaf without triangles: block 0 of every tree is empty.
+    pub(crate) const NOTHING: Self = Self(Self::LEAF);
+
+    pub(crate) fn inner(node: usize) -> Self {
+        Self(to_u32(node))
+    }
+
+    pub(crate) fn leaf(first_block: usize) -> Self {
+        Self(to_u32(first_block) | Self::LEAF)
+    }
+
+    #[inline(always)]
+    pub(crate) const fn kind(self) -> Kind {
+        if self.0 & Self::LEAF == 0 {
+            Kind::Inner(self.0 as usize)
+        } else {
+            Kind::Leaf((self.0 & !Self::LEAF) as usize)
+        }
+    }
+
+    /// The number that stands for it on the stack.
+    #[inline(always)]
+    pub(crate) const fn bits(self) -> u32 {
+        self.0
+    }
+
+    #[inline(always)]
+    pub(crate) const fn from_bits(bits: u32) -> Self {
+        Self(bits)
+    }
+}
+
+#[expect(
+    clippy::cast_possible_truncation,
+    reason = "trees have at most 2^31 nodes and blocks"
+)]
+fn to_u32(index: usize) -> u32 {
+    debug_assert!(index < Child::LEAF as usize, "{index} is too large");
+    index as u32
+}
+
+impl WideNode {
+    /// A node without children.
+    pub(crate) const EMPTY: Self = Self {
+        bounds: [[Lanes::splat(f32::MAX), Lanes::splat(f32::MIN)]; 3],
+        children: [Child::NOTHING; LANES],
+    };
+
+    pub(crate) fn set(&mut self, lane: usize, bounds: &Aabb, child: Child) {
+        for axis in 0..3 {
+            self.bounds[axis][0].0[lane] = bounds.min[axis];
+            self.bounds[axis][1].0[lane] = bounds.max[axis];
+        }
+        self.children[lane] = child;
+    }
+
+    /// The children that are used, with their boxes.
+    pub(crate) fn children(&self) -> impl Iterator<Item = (Aabb, Child)> + '_ {
+        let used = (0..LANES).filter(|lane| self.children[*lane] != Child::NOTHING);
+        used.map(|lane| (self.child_bounds(lane), self.children[lane]))
+    }
+
+    fn child_bounds(&self, lane: usize) -> Aabb {
+        let corner =
+            |side: usize| Vec3::from([0, 1, 2].map(|axis| self.bounds[axis][side].0[lane]));
+        Aabb::new(corner(0), corner(1))
+    }
+}

@@ -1,0 +1,83 @@
+//! The stack of a traversal.
+#![allow(unsafe_code, reason = "most of the stack is never written")]
+
+use std::mem::MaybeUninit;
+
+use super::Child;
+
+/// Entries for which a traversal has room without asking for memory.
+pub(super) const LOCAL: usize = 256;
+
+/// Room for the entries of a stack.
+pub(super) type Room = [MaybeUninit<u64>; LOCAL];
+
+/// Children that wait, each with a number that its ray enters not before: the number's bits above those of the child, so that entries
+/// with numbers from zero on are in order as integers.
+pub(super) struct Stack<'a> {
+    room: &'a mut [MaybeUninit<u64>],
+    /// Invariant: this many entries are written.
+    len: usize,
+}
+
+/// A child that waits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry(u64);
+
+impl Entry {
+    #[inline(always)]
+    pub(super) fn new(child: Child, start: f32) -> Self {
+        Self(u64::from(start.to_bits()) << 32 | u64::from(child.bits()))
+    }
+
+    #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
+    pub(super) const fn child(self) -> Child {
+        Child::from_bits(self.0 as u32)
+    }
+
+    #[inline(always)]
+    pub(super) const fn start(self) -> f32 {
+        f32::from_bits((self.0 >> 32) as u32)
+    }
+}
+
+impl<'a> Stack<'a> {
+    #[inline(always)]
+    pub(super) fn new(room: &'a mut [MaybeUninit<u64>]) -> Self {
+        Self { room, len: 0 }
+    }
+
+    #[inline(always)]
+    pub(super) fn push(&mut self, entry: Entry) {
+        self.room[self.len].write(entry.0);
+        self.len += 1;
+    }
+
+    #[inline(always)]
+    pub(super) fn pop(&mut self) -> Option<Entry> {
+        if self.len == 0 {
+            return None;
+        }
+        self.len -= 1;
+        // SAFETY: by the invariant, the entries before the length that it had are written.
+        Some(Entry(unsafe { self.room[self.len].assume_init() }))
+    }
+
+    /// Puts the `count` entries that were pushed last in order, the nearest one on top.
+    #[inline(always)]
+    pub(super) fn sort_last(&mut self, count: usize) {
+        let first = self.len - count;
+        for place in first + 1..self.len {
+            // SAFETY: by the invariant, all entries before the length are written; so are those moved here.
+            unsafe {
+                let entry = self.room[place].assume_init();
+                let mut hole = place;
+                while hole > first && self.room[hole - 1].assume_init() < entry {
+                    self.room[hole] = self.room[hole - 1];
+                    hole -= 1;
+                }
+                self.room[hole].write(entry);
+            }
+        }
+    }
+}

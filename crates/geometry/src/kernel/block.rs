@@ -1,0 +1,58 @@
+//! What vector kernels say of a block of triangles.
+
+use crate::simd::{Lanes, Simd};
+use crate::{Ray, TriangleBlock};
+
+/// A ray prepared for testing blocks of triangles: a filter before the tests of single triangles.
+///
+/// It depends on the block and the ray how much it throws out; what it lets through, and what it calls certain, is true of the
+/// kernel that it belongs to. So answers do not depend on the level, on blocks, or on what else is in them.
+pub trait BlockFilter: Copy {
+    /// Prepares a valid ray for triangles whose vertices differ from its origin by at most `farthest` in each coordinate.
+    fn new(ray: &Ray, farthest: f32) -> Self;
+
+    /// What can be said of a block's triangles: `None` if the kernel accepts none of them with `t`, rounded, up to `t_max`.
+    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
+}
+
+/// What is known of the triangles of a block that may be hit.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockVerdict {
+    /// A bit for each lane whose triangle may be hit: not 0. The others are certainly not.
+    pub possible: u32,
+    /// A bit for each of these whose triangle is certainly hit, with `t` inside the ray's interval.
+    pub certain: u32,
+    /// For the lanes that are certain, a number not above `t`.
+    pub starts: Lanes,
+    /// For the lanes that are certain, a number not below `t`.
+    pub ends: Lanes,
+}
+
+impl BlockVerdict {
+    /// Nothing but that some triangles may be hit; `None` if there are none.
+    #[inline(always)]
+    pub(super) fn undecided(possible: u32) -> Option<Self> {
+        (possible != 0).then_some(Self {
+            possible,
+            certain: 0,
+            starts: Lanes::splat(0.0),
+            ends: Lanes::splat(0.0),
+        })
+    }
+}
+
+/// A filter that lets all triangles through.
+#[derive(Clone, Copy, Debug)]
+pub struct NoFilter;
+
+impl BlockFilter for NoFilter {
+    #[inline]
+    fn new(_ray: &Ray, _farthest: f32) -> Self {
+        Self
+    }
+
+    #[inline(always)]
+    fn test<S: Simd>(&self, _simd: S, block: &TriangleBlock, _t_max: f32) -> Option<BlockVerdict> {
+        BlockVerdict::undecided(block.used())
+    }
+}

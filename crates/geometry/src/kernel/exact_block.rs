@@ -1,0 +1,171 @@
+//! The f32 rung of the exact kernels for eight triangles at a time.
+//!
+//! The ray is sheared onto the axis `z` of its largest direction component (Woop, Benthin, Wald 2013). A vertex at `f` from the origin has
+//! the parameter `t = f.z / D.z` and is projected to `X = f.x - D.x t`, `Y = f.y - D.y t`. The edge functions of the projected triangle,
+//! `U = C.X B.Y - C.Y B.X` and so on in turn, weigh the opposite vertices; the ray hits the closed triangle where no two of them have opposite signs and their
+//! sum is not zero, at the mean of the vertices' `t` by these weights.
+//!
+//! **Errors**, with `u = 2^-24`, `P` the largest `|X|` and `|Y|` that were computed and `Z` the largest `|f.z|`. `f` carries one rounding, `t` three (of
+//! `f.z`, the reciprocal and the product), and `X` two more. As `|D.x t| <= |f.z|` and `|f.x| <= |X| + |f.z|`, a coordinate is off by at most
+//! `u (|X| + |f.z|) + 4 u |f.z| + u |X| <= u (2 P + 5 Z)`. An edge function is the difference of two products of at most `P^2`, so it is off by at most `4 P` times that,
+//! and `4 u P^2` for its own three roundings (two if products are fused): together below `20.1 u P (P + Z)`. [`ERROR`] has a fifth more.
+//!
+//! **Range.** With `D.z` in `[2^-40, 2^20]` and `f` up to `2^40` nothing overflows, and what underflows, `2^-149` of a `t`, a product or a coordinate, moves an edge function by at
+//! most `2^-126 (P + 1)`, which [`TINY`] covers. For other rays the filter says nothing.
+//!
+//! **The interval.** All points of a triangle have a `t` between the smallest and the largest of its vertices. Those are off by `3.01 u` of themselves, and their signs are exact.
+//!
+//! **Certain hits.** Where the weights have one sign for certain and their sum is `16` times the error `e` of one of them, `t` lies within
+//! `3 e / (sum - 3 e)` of the triangle's range in `t`, less than `4 e / sum` of it, of the exact mean, and the roundings of `t` and of the
+//! mean are below `12 u` of the largest `t`.
+
+use glam::Vec3;
+
+use super::block::{BlockFilter, BlockVerdict};
+use crate::simd::Simd;
+use crate::{Axis, Ray, TriangleBlock};
+
+/// The bound of the edge functions, relative to `P (P + Z)`.
+const ERROR: f32 = 24.0 / (1u32 << 24) as f32;
+/// More than underflow can take from an edge function, if times `P + 1`.
+const TINY: f32 = 1.0 / (1u128 << 120) as f32;
+/// More than the error of a `t`, relative to the largest one of a triangle.
+const T_ERROR: f32 = 16.0 / (1u32 << 24) as f32;
+/// More than underflow can take from a `t`: `2^-140`.
+const TINY_T: f32 = f32::from_bits(1 << 9);
+/// The range of the largest direction component in which the filter decides.
+const DIRECTIONS: std::ops::RangeInclusive<f32> = 1.0 / (1u64 << 40) as f32..=(1u32 << 20) as f32;
+/// The largest distance at which the filter decides.
+const FARTHEST: f32 = (1u64 << 40) as f32;
+
+/// A ray prepared for the filter of the exact kernels.
+#[derive(Clone, Copy, Debug)]
+pub struct ExactBlockFilter {
+    /// The axis of the largest direction component.
+    z: Axis,
+    origin: Vec3,
+    direction: Vec3,
+    reciprocal: f32,
+    t_min: f32,
+    t_max: f32,
+    decides: bool,
+}
+
+/// A vertex of each triangle: where its depth is on the ray, and where it is seen from it.
+struct Projected<S: Simd> {
+    t: S::F32s,
+    x: S::F32s,
+    y: S::F32s,
+}
+
+impl BlockFilter for ExactBlockFilter {
+    #[inline]
+    fn new(ray: &Ray, farthest: f32) -> Self {
+        let z = Axis::dominant(ray.direction);
+        let along = ray.direction[z as usize];
+        Self {
+            z,
+            origin: ray.origin,
+            direction: ray.direction,
+            reciprocal: 1.0 / along,
+            t_min: ray.t_min,
+            t_max: ray.t_max,
+            decides: DIRECTIONS.contains(&along.abs()) && farthest <= FARTHEST,
+        }
+    }
+
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
+        if !self.decides {
+            return BlockVerdict::undecided(block.used());
+        }
+        let [a, b, c] = [0, 1, 2].map(|vertex| self.project(simd, block, vertex));
+        let edge = |from: &Projected<S>, to: &Projected<S>| {
+            simd.mul_sub(from.x, to.y, simd.mul(from.y, to.x))
+        };
+        let (of_a, of_b, of_c) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
+        let smallest = simd.min(simd.min(of_a, of_b), of_c);
+        let largest = simd.max(simd.max(of_a, of_b), of_c);
+        let first_t = simd.min(simd.min(a.t, b.t), c.t);
+        let last_t = simd.max(simd.max(a.t, b.t), c.t);
+        let farthest_t = simd.max(simd.abs(first_t), simd.abs(last_t));
+        let error = self.error(simd, [&a, &b, &c], farthest_t);
+        let below = simd.sub(simd.splat(0.0), error);
+
+        // Positive comparisons: unused lanes have NaN.
+        let is_inside = simd.or(simd.le(largest, error), simd.le(below, smallest));
+        let margin = t_max.abs() * T_ERROR + TINY_T;
+        let begins = simd.le(first_t, simd.splat(t_max + margin));
+        let margin = self.t_min.abs() * T_ERROR + TINY_T;
+        let ends = simd.le(simd.splat(self.t_min - margin), last_t);
+        let possible = simd.bits(simd.and(is_inside, simd.and(begins, ends)));
+        if possible == 0 {
+            return None;
+        }
+
+        let determinant = simd.add(simd.add(of_a, of_b), of_c);
+        let has_sign = simd.or(simd.lt(error, smallest), simd.lt(largest, below));
+        let magnitude = simd.abs(determinant);
+        let is_sharp = simd.lt(simd.mul(error, simd.splat(16.0)), magnitude);
+        let sum = simd.mul(of_a, a.t);
+        let sum = simd.mul_add(of_b, b.t, sum);
+        let sum = simd.mul_add(of_c, c.t, sum);
+        let t = simd.div(sum, determinant);
+        let spread = simd.mul(
+            simd.div(simd.mul(error, simd.splat(4.0)), magnitude),
+            simd.sub(last_t, first_t),
+        );
+        let rounding = simd.mul_add(farthest_t, simd.splat(T_ERROR), simd.splat(TINY_T));
+        let margin = simd.add(rounding, spread);
+        let (start, end) = (simd.sub(t, margin), simd.add(t, margin));
+        let is_in_interval = simd.and(
+            simd.lt(simd.splat(self.t_min), start),
+            simd.lt(end, simd.splat(self.t_max)),
+        );
+        let certain = simd.and(simd.and(has_sign, is_sharp), is_in_interval);
+        Some(BlockVerdict {
+            possible,
+            certain: simd.bits(certain) & possible,
+            starts: simd.store(start),
+            ends: simd.store(end),
+        })
+    }
+}
+
+impl ExactBlockFilter {
+    #[inline(always)]
+    fn project<S: Simd>(&self, simd: S, block: &TriangleBlock, vertex: usize) -> Projected<S> {
+        let (x, y) = (self.z.next(), self.z.next().next());
+        let from_origin = |axis: Axis| {
+            let origin = simd.splat(self.origin[axis as usize]);
+            simd.sub(block.load(simd, vertex, axis), origin)
+        };
+        let t = simd.mul(from_origin(self.z), simd.splat(self.reciprocal));
+        let project = |axis: Axis| {
+            let direction = simd.splat(self.direction[axis as usize]);
+            simd.neg_mul_add(direction, t, from_origin(axis))
+        };
+        Projected {
+            t,
+            x: project(x),
+            y: project(y),
+        }
+    }
+
+    /// The bound of the error of the edge functions.
+    #[inline(always)]
+    fn error<S: Simd>(
+        &self,
+        simd: S,
+        vertices: [&Projected<S>; 3],
+        farthest_t: S::F32s,
+    ) -> S::F32s {
+        let [a, b, c] = vertices.map(|vertex| simd.max(simd.abs(vertex.x), simd.abs(vertex.y)));
+        let size = simd.max(simd.max(a, b), c);
+        let along = simd.splat(self.direction[self.z as usize].abs() * (1.0 + T_ERROR));
+        let extent = simd.mul_add(farthest_t, along, size);
+        let tiny = simd.splat(TINY);
+        let scale = simd.mul_add(extent, simd.splat(ERROR), tiny);
+        simd.mul_add(size, scale, tiny)
+    }
+}

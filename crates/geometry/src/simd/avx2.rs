@@ -1,0 +1,137 @@
+//! AVX2 and FMA of x86-64.
+
+#![allow(
+    unsafe_code,
+    reason = "intrinsics, with the proof that the processor has them"
+)]
+
+use std::arch::x86_64::*;
+
+use super::{Lanes, Simd, WithSimd};
+
+/// Shows that the processor has AVX2 and FMA.
+#[derive(Clone, Copy, Debug)]
+pub struct Avx2(());
+
+impl Avx2 {
+    /// The level, if the processor has it. Cheap: the processor was asked once.
+    #[inline]
+    #[must_use]
+    pub fn new() -> Option<Self> {
+        let has = is_x86_feature_detected!("avx2")
+            && is_x86_feature_detected!("fma")
+            && is_x86_feature_detected!("bmi1")
+            && is_x86_feature_detected!("bmi2")
+            && is_x86_feature_detected!("lzcnt")
+            && is_x86_feature_detected!("popcnt");
+        has.then_some(Self(()))
+    }
+
+    /// Runs an algorithm compiled with the instructions of the level.
+    #[inline]
+    pub fn run<T: WithSimd>(self, algorithm: T) -> T::Output {
+        // SAFETY: a value of this type exists only where the processor has these features.
+        unsafe { run(self, algorithm) }
+    }
+}
+
+#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
+fn run<T: WithSimd>(simd: Avx2, algorithm: T) -> T::Output {
+    algorithm.with_simd(simd)
+}
+
+/// Calls an intrinsic of the level.
+macro_rules! intrinsic {
+    ($call:expr) => {
+        // SAFETY: the method has a value of this type, so the processor has AVX2 and FMA. No intrinsic here has further obligations but
+        // loads and stores, which are given aligned memory of the right size.
+        unsafe { $call }
+    };
+}
+
+impl Simd for Avx2 {
+    type F32s = __m256;
+    type Mask = __m256;
+
+    #[inline(always)]
+    fn splat(self, value: f32) -> __m256 {
+        intrinsic!(_mm256_set1_ps(value))
+    }
+    #[inline(always)]
+    fn load(self, lanes: &Lanes) -> __m256 {
+        intrinsic!(_mm256_load_ps(lanes.0.as_ptr()))
+    }
+    #[inline(always)]
+    fn store(self, value: __m256) -> Lanes {
+        let mut lanes = Lanes::splat(0.0);
+        intrinsic!(_mm256_store_ps(lanes.0.as_mut_ptr(), value));
+        lanes
+    }
+    #[inline(always)]
+    fn add(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_add_ps(a, b))
+    }
+    #[inline(always)]
+    fn sub(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_sub_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_mul_ps(a, b))
+    }
+    #[inline(always)]
+    fn div(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_div_ps(a, b))
+    }
+    #[inline(always)]
+    fn mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+        intrinsic!(_mm256_fmadd_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn mul_sub(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+        intrinsic!(_mm256_fmsub_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn neg_mul_add(self, a: __m256, b: __m256, c: __m256) -> __m256 {
+        intrinsic!(_mm256_fnmadd_ps(a, b, c))
+    }
+    #[inline(always)]
+    fn min(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_min_ps(a, b))
+    }
+    #[inline(always)]
+    fn max(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_max_ps(a, b))
+    }
+    #[inline(always)]
+    fn abs(self, a: __m256) -> __m256 {
+        intrinsic!(_mm256_andnot_ps(_mm256_set1_ps(-0.0), a))
+    }
+    #[inline(always)]
+    fn lt(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_cmp_ps::<_CMP_LT_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn le(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_cmp_ps::<_CMP_LE_OQ>(a, b))
+    }
+    #[inline(always)]
+    fn and(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_and_ps(a, b))
+    }
+    #[inline(always)]
+    fn or(self, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_or_ps(a, b))
+    }
+    #[inline(always)]
+    #[expect(clippy::cast_sign_loss, reason = "the lowest eight bits")]
+    fn bits(self, mask: __m256) -> u32 {
+        intrinsic!(_mm256_movemask_ps(mask)) as u32
+    }
+    #[inline(always)]
+    fn prefetch<T>(self, place: &T) {
+        intrinsic!(_mm_prefetch::<_MM_HINT_T0>(
+            std::ptr::from_ref(place).cast()
+        ));
+    }
+}

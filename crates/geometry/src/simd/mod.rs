@@ -1,0 +1,174 @@
+//! Eight f32 lanes at a time, on whatever the processor has.
+//!
+//! An algorithm is written once, generic over [`Simd`], as a [`WithSimd`]. [`AvailableSimd::dispatch`] compiles it for every level, each
+//! inside one function that may use the level's instructions. A value of a level's type exists only where the processor has its
+//! instructions, so calling its operations is safe.
+//!
+//! **Equal bits.** Every operation but [`mul_add`](Simd::mul_add) and its relatives is defined to the last bit, NaN and signed zeros
+//! included, and the same at every level. Those may round once or twice: they are for filters, whose bounds allow both.
+
+#[cfg(target_arch = "x86_64")]
+mod avx2;
+mod portable;
+
+#[cfg(target_arch = "x86_64")]
+pub use avx2::Avx2;
+pub use portable::Portable;
+
+/// Lanes of a vector.
+pub const LANES: usize = 8;
+
+/// Eight numbers in memory, as vectors are loaded.
+#[derive(Clone, Copy, Debug, PartialEq)]
+#[repr(C, align(32))]
+pub struct Lanes(pub [f32; LANES]);
+
+impl Lanes {
+    /// The same number in all lanes.
+    #[must_use]
+    pub const fn splat(value: f32) -> Self {
+        Self([value; LANES])
+    }
+}
+
+/// The operations of a level.
+pub trait Simd: Copy {
+    /// Eight numbers.
+    type F32s: Copy;
+    /// Eight truth values.
+    type Mask: Copy;
+
+    /// The same number in all lanes.
+    fn splat(self, value: f32) -> Self::F32s;
+    /// The numbers in memory.
+    fn load(self, lanes: &Lanes) -> Self::F32s;
+    /// Puts the numbers into memory.
+    fn store(self, value: Self::F32s) -> Lanes;
+
+    /// `a + b`
+    fn add(self, a: Self::F32s, b: Self::F32s) -> Self::F32s;
+    /// `a - b`
+    fn sub(self, a: Self::F32s, b: Self::F32s) -> Self::F32s;
+    /// `a * b`
+    fn mul(self, a: Self::F32s, b: Self::F32s) -> Self::F32s;
+    /// `a / b`
+    fn div(self, a: Self::F32s, b: Self::F32s) -> Self::F32s;
+    /// `a * b + c`, rounded once or twice.
+    fn mul_add(self, a: Self::F32s, b: Self::F32s, c: Self::F32s) -> Self::F32s;
+    /// `a * b - c`, rounded once or twice.
+    fn mul_sub(self, a: Self::F32s, b: Self::F32s, c: Self::F32s) -> Self::F32s;
+    /// `c - a * b`, rounded once or twice.
+    fn neg_mul_add(self, a: Self::F32s, b: Self::F32s, c: Self::F32s) -> Self::F32s;
+    /// `a` where it is smaller than `b`, otherwise `b`: also where one of them is NaN, or both are zero.
+    fn min(self, a: Self::F32s, b: Self::F32s) -> Self::F32s;
+    /// `a` where it is larger than `b`, otherwise `b`: also where one of them is NaN, or both are zero.
+    fn max(self, a: Self::F32s, b: Self::F32s) -> Self::F32s;
+    /// The magnitudes.
+    fn abs(self, a: Self::F32s) -> Self::F32s;
+
+    /// `a < b`; false where one of them is NaN.
+    fn lt(self, a: Self::F32s, b: Self::F32s) -> Self::Mask;
+    /// `a <= b`; false where one of them is NaN.
+    fn le(self, a: Self::F32s, b: Self::F32s) -> Self::Mask;
+    /// Where both are true.
+    fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Where at least one is true.
+    fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// Bit `i` for lane `i`.
+    fn bits(self, mask: Self::Mask) -> u32;
+
+    /// Asks for a cache line that is soon needed, where the processor can be asked.
+    fn prefetch<T>(self, _place: &T) {}
+}
+
+/// An algorithm that is compiled for every level.
+pub trait WithSimd {
+    /// Its result.
+    type Output;
+
+    /// The algorithm. To be marked `#[inline(always)]`, as all of the vector code that it calls: what is not inlined is compiled without the
+    /// instructions of the level.
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output;
+}
+
+/// A set of instructions that queries can use.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[non_exhaustive]
+pub enum SimdLevel {
+    /// Whatever every processor of the architecture has.
+    Portable,
+    /// AVX2 and FMA of x86-64.
+    Avx2,
+}
+
+impl SimdLevel {
+    /// All levels, from the simplest on.
+    pub const ALL: [Self; 2] = [Self::Portable, Self::Avx2];
+
+    /// The name in reports and on command lines: `portable` or `avx2`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Portable => "portable",
+            Self::Avx2 => "avx2",
+        }
+    }
+
+    /// Whether this processor has the level.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        self.available().is_some()
+    }
+
+    /// The level, if this processor has it.
+    #[must_use]
+    pub fn available(self) -> Option<AvailableSimd> {
+        match self {
+            Self::Portable => Some(AvailableSimd(Available::Portable)),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2 => Avx2::new().map(|simd| AvailableSimd(Available::Avx2(simd))),
+            #[cfg(not(target_arch = "x86_64"))]
+            Self::Avx2 => None,
+        }
+    }
+}
+
+/// A level that this processor has: made once, it dispatches without another look at the processor.
+#[derive(Clone, Copy, Debug)]
+pub struct AvailableSimd(Available);
+
+#[derive(Clone, Copy, Debug)]
+enum Available {
+    Portable,
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+}
+
+impl AvailableSimd {
+    /// The best level that this processor has.
+    #[must_use]
+    pub fn best() -> Self {
+        let available = SimdLevel::ALL.into_iter().filter_map(SimdLevel::available);
+        available.last().unwrap_or(Self(Available::Portable))
+    }
+
+    /// Which level it is.
+    #[must_use]
+    pub const fn level(self) -> SimdLevel {
+        match self.0 {
+            Available::Portable => SimdLevel::Portable,
+            #[cfg(target_arch = "x86_64")]
+            Available::Avx2(_) => SimdLevel::Avx2,
+        }
+    }
+
+    /// Runs an algorithm at this level.
+    #[inline]
+    pub fn dispatch<T: WithSimd>(self, algorithm: T) -> T::Output {
+        match self.0 {
+            Available::Portable => algorithm.with_simd(Portable),
+            #[cfg(target_arch = "x86_64")]
+            Available::Avx2(simd) => simd.run(algorithm),
+        }
+    }
+}

@@ -1,0 +1,121 @@
+//! Triangles in blocks of eight, as vector kernels test them.
+
+use glam::Vec3;
+
+use crate::simd::{LANES, Lanes, Simd};
+use crate::{Axis, Triangle, TriangleMesh};
+
+/// Up to eight triangles with their numbers, coordinate by coordinate: 320 bytes, five cache lines.
+///
+/// Unused lanes have NaN for coordinates, which no kernel takes for a hit.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct TriangleBlock {
+    /// By vertex, then by axis.
+    vertices: [[Lanes; 3]; 3],
+    /// The triangles' numbers, [`UNUSED`] for unused lanes; with [`CONTINUES`] in the first lane.
+    numbers: [u32; LANES],
+}
+
+/// The number of an unused lane.
+const UNUSED: u32 = NUMBER_MASK;
+const NUMBER_MASK: u32 = (1 << 30) - 1;
+/// Another block of the same list follows.
+const CONTINUES: u32 = 1 << 31;
+const _: () = assert!(
+    TriangleMesh::MAX_TRIANGLES < UNUSED as usize,
+    "numbers leave room for the marks"
+);
+const _: () = assert!(size_of::<TriangleBlock>() == 320, "five cache lines");
+
+impl TriangleBlock {
+    /// A block without triangles.
+    pub const EMPTY: Self = Self {
+        vertices: [[Lanes::splat(f32::NAN); 3]; 3],
+        numbers: [UNUSED; LANES],
+    };
+
+    /// A block of the first eight triangles of a list, or fewer if there are fewer.
+    #[must_use]
+    pub fn new(triangles: impl IntoIterator<Item = (u32, Triangle)>) -> Self {
+        let mut block = Self::EMPTY;
+        for (lane, (number, triangle)) in triangles.into_iter().take(LANES).enumerate() {
+            block.numbers[lane] = number;
+            for (lanes, vertex) in block.vertices.iter_mut().zip(triangle.vertices()) {
+                for axis in 0..3 {
+                    lanes[axis].0[lane] = vertex[axis];
+                }
+            }
+        }
+        block
+    }
+
+    /// The same block, marked as one that is followed by another of the same list.
+    #[must_use]
+    pub const fn continued(mut self) -> Self {
+        self.numbers[0] |= CONTINUES;
+        self
+    }
+
+    /// Whether another block of the same list follows.
+    #[inline]
+    #[must_use]
+    pub const fn continues(&self) -> bool {
+        self.numbers[0] & CONTINUES != 0
+    }
+
+    /// The number of a lane's triangle; `None` for an unused lane.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    #[inline]
+    #[must_use]
+    pub const fn number(&self, lane: usize) -> Option<u32> {
+        match self.numbers[lane] & NUMBER_MASK {
+            UNUSED => None,
+            number => Some(number),
+        }
+    }
+
+    /// The number of a lane that is used.
+    #[inline(always)]
+    pub(crate) const fn used_number(&self, lane: usize) -> u32 {
+        self.numbers[lane] & NUMBER_MASK
+    }
+
+    /// The triangle of a lane; its coordinates are NaN for an unused lane.
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    #[inline]
+    #[must_use]
+    pub const fn triangle(&self, lane: usize) -> Triangle {
+        let [a, b, c] = &self.vertices;
+        Triangle::new(vertex(a, lane), vertex(b, lane), vertex(c, lane))
+    }
+
+    /// The triangles with their numbers.
+    #[must_use]
+    pub fn triangles(&self) -> impl Iterator<Item = (u32, Triangle)> + '_ {
+        (0..LANES).filter_map(|lane| Some((self.number(lane)?, self.triangle(lane))))
+    }
+
+    /// One bit for each lane that is used.
+    #[inline]
+    #[must_use]
+    pub fn used(&self) -> u32 {
+        let lanes = (0..LANES).filter(|lane| self.number(*lane).is_some());
+        lanes.fold(0, |bits, lane| bits | 1 << lane)
+    }
+
+    /// A coordinate of all first, second or third vertices.
+    #[inline(always)]
+    pub(crate) fn load<S: Simd>(&self, simd: S, vertex: usize, axis: Axis) -> S::F32s {
+        simd.load(&self.vertices[vertex][axis as usize])
+    }
+}
+
+#[inline]
+const fn vertex(axes: &[Lanes; 3], lane: usize) -> Vec3 {
+    Vec3::new(axes[0].0[lane], axes[1].0[lane], axes[2].0[lane])
+}
