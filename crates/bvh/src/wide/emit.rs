@@ -1,7 +1,7 @@
 //! Writes the nodes and blocks that a collapse chose.
 
 use tahko_geometry::simd::LANES;
-use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
+use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
 use super::collapse::{Collapse, Root};
 use super::{Child, WideBvh, WideNode};
@@ -45,6 +45,7 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
     let mut layout = WideBvh {
         root: Child::NOTHING,
         bounds: Aabb::EMPTY,
+        size: 0.0,
         nodes: Vec::new(),
         blocks: Vec::new(),
         depth: 0,
@@ -53,6 +54,7 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
     };
     if !tree.is_empty() {
         layout.bounds = tree.node(0).0;
+        layout.size = size_of_bounds(&layout.bounds);
         emitter.add_nodes(collapse, &mut layout);
     }
     layout.nodes = emitter.nodes;

@@ -22,6 +22,8 @@ pub(crate) struct WideBvh {
     /// Nothing for a tree over no triangles.
     pub(crate) root: Child,
     pub(crate) bounds: Aabb,
+    /// The largest magnitude of a coordinate of the bounds.
+    pub(crate) size: f32,
     pub(crate) nodes: Vec<WideNode>,
     pub(crate) blocks: Vec<TriangleBlock>,
     /// Nodes on the longest way from the root to a leaf, both included.

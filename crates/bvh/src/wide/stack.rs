@@ -20,7 +20,7 @@ pub(super) struct Stack<'a> {
 }
 
 /// A child that waits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) struct Entry(u64);
 
 impl Entry {

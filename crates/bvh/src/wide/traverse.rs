@@ -6,13 +6,16 @@
 //! the best hit, rounded: at the same rounded `t` it may still hold a triangle that is nearer before rounding, or one with a smaller
 //! number. So the answer is that of testing every triangle, at every level of instructions.
 
+use std::marker::PhantomData;
 use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
+use tahko_geometry::glam::Vec4;
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Simd, WithSimd};
 use tahko_geometry::{
-    FusedRay, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleKernel, test_block,
+    FusedRay, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleBlock,
+    TriangleKernel, test_block,
 };
 
 use super::stack::{Entry, LOCAL, Room, Stack};
@@ -34,22 +37,21 @@ impl Traverse for Bvh {
         if self.layout().root == Child::NOTHING {
             return;
         }
-        let kernel = K::new(ray);
-        self.simd().dispatch(Traversal {
+        self.simd().dispatch(Traversal::<K, H, C> {
             bvh: self.layout(),
             ray,
-            kernel: &kernel,
+            kernel: PhantomData,
             collector: &mut *collector,
             counter: &mut *counter,
         });
-        collector.finish(&kernel, counter);
+        collector.finish(&K::new(ray), counter);
     }
 }
 
 struct Traversal<'a, K, H, C> {
     bvh: &'a WideBvh,
     ray: &'a Ray,
-    kernel: &'a K,
+    kernel: PhantomData<K>,
     collector: &'a mut H,
     counter: &'a mut C,
 }
@@ -67,15 +69,12 @@ struct Slabs<S: Simd> {
 impl<S: Simd> Slabs<S> {
     #[inline(always)]
     fn new(simd: S, ray: &FusedRay, t_min: f32) -> Self {
-        let splat = |vector: tahko_geometry::glam::Vec3| {
-            vector.to_array().map(|component| simd.splat(component))
-        };
         Self {
             simd,
-            reciprocal: splat(ray.reciprocal),
-            near: splat(ray.near),
-            far: splat(ray.far),
-            negative: ray.negative,
+            reciprocal: splat(simd, ray.reciprocal),
+            near: splat(simd, ray.near),
+            far: splat(simd, ray.far),
+            negative: [1, 2, 4].map(|bit| ray.negative & bit != 0),
             // Entries are ordered as integers: no negative zero.
             t_min: simd.splat(t_min + 0.0),
         }
@@ -85,19 +84,38 @@ impl<S: Simd> Slabs<S> {
     #[inline(always)]
     fn clip(&self, node: &WideNode, t_max: S::F32s) -> (S::F32s, u32) {
         let simd = self.simd;
-        let [near_x, near_y, near_z] = [0, 1, 2].map(|axis| {
-            let plane = simd.load(&node.bounds[axis][usize::from(self.negative[axis])]);
-            simd.mul_add(plane, self.reciprocal[axis], self.near[axis])
-        });
-        let [far_x, far_y, far_z] = [0, 1, 2].map(|axis| {
-            let plane = simd.load(&node.bounds[axis][usize::from(!self.negative[axis])]);
-            simd.mul_add(plane, self.reciprocal[axis], self.far[axis])
-        });
+        let (near_x, far_x) = self.planes(node, 0);
+        let (near_y, far_y) = self.planes(node, 1);
+        let (near_z, far_z) = self.planes(node, 2);
         // What is NaN is dropped, or drops what it is compared with: the limits come last, and are numbers.
         let start = simd.max(simd.max(near_x, near_y), simd.max(near_z, self.t_min));
         let end = simd.min(simd.min(far_x, far_y), simd.min(far_z, t_max));
         (start, simd.bits(simd.le(start, end)))
     }
+
+    /// Where the ray meets the planes across an axis: those that it meets first, and the others.
+    #[inline(always)]
+    fn planes(&self, node: &WideNode, axis: usize) -> (S::F32s, S::F32s) {
+        let is_negative = self.negative[axis];
+        let near = self.simd.load(&node.bounds[axis][usize::from(is_negative)]);
+        let far = self
+            .simd
+            .load(&node.bounds[axis][usize::from(!is_negative)]);
+        let reciprocal = self.reciprocal[axis];
+        (
+            self.simd.mul_add(near, reciprocal, self.near[axis]),
+            self.simd.mul_add(far, reciprocal, self.far[axis]),
+        )
+    }
+}
+
+#[inline(always)]
+fn splat<S: Simd>(simd: S, vector: Vec4) -> [S::F32s; 3] {
+    [
+        simd.splat(vector.x),
+        simd.splat(vector.y),
+        simd.splat(vector.z),
+    ]
 }
 
 impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Traversal<'_, K, H, C> {
@@ -108,12 +126,12 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
         let Self {
             bvh,
             ray,
-            kernel,
             collector,
             counter,
+            ..
         } = self;
-        let fused = FusedRay::new(ray, &bvh.bounds, K::REACH);
-        let filter = K::Block::new(ray, fused.farthest);
+        let fused = FusedRay::new(ray, bvh.size, K::REACH);
+        let filter = K::Block::new(ray, &fused);
         let slabs = Slabs::new(simd, &fused, ray.t_min);
         let mut local: Room = [MaybeUninit::uninit(); LOCAL];
         let mut more = Vec::new();
@@ -140,23 +158,15 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
                     }
                 }
                 Kind::Leaf(first) => {
-                    let mut index = first;
-                    loop {
-                        let block = &bvh.blocks[index];
-                        let tested = test_block(
-                            simd,
-                            (kernel, &filter),
-                            block,
-                            &mut *collector,
-                            &mut *counter,
-                        );
-                        if let ControlFlow::Break(()) = tested {
-                            return;
-                        }
-                        if !block.continues() {
-                            break;
-                        }
-                        index += 1;
+                    let leaf = Leaf::<K, H, C> {
+                        blocks: &bvh.blocks[first..],
+                        ray,
+                        filter: &filter,
+                        collector: &mut *collector,
+                        counter: &mut *counter,
+                    };
+                    if simd.outline(leaf).is_break() {
+                        return;
                     }
                     t_max = simd.splat(collector.t_max());
                 }
@@ -173,6 +183,37 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
                 break;
             }
         }
+    }
+}
+
+/// The test of a leaf, which the first of the blocks begins.
+struct Leaf<'a, K: TriangleKernel, H, C> {
+    blocks: &'a [TriangleBlock],
+    ray: &'a Ray,
+    filter: &'a K::Block,
+    collector: &'a mut H,
+    counter: &'a mut C,
+}
+
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Leaf<'_, K, H, C> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
+        for block in self.blocks {
+            let kernels = (self.ray, self.filter);
+            test_block::<S, K, H, C>(
+                simd,
+                kernels,
+                block,
+                &mut *self.collector,
+                &mut *self.counter,
+            )?;
+            if !block.continues() {
+                break;
+            }
+        }
+        ControlFlow::Continue(())
     }
 }
 
@@ -203,26 +244,52 @@ fn nearest_child<S: Simd, H: HitCollector>(
         return Some(node.children[first]);
     }
     let starts = simd.store(start).0;
-    let second = lane(rest);
+    let entry = |lane: usize| Entry::new(node.children[lane], starts[lane]);
+    let a = entry(first);
+    let b = entry(lane(rest));
     let rest = rest & (rest - 1);
-    let (near, far) = if starts[first] <= starts[second] {
-        (first, second)
-    } else {
-        (second, first)
-    };
-    stack.push(Entry::new(node.children[far], starts[far]));
     if rest == 0 {
-        return Some(node.children[near]);
+        let [near, far] = sorted(a, b);
+        stack.push(far);
+        return Some(near.child());
     }
-    stack.push(Entry::new(node.children[near], starts[near]));
-    let mut count = 2;
+    let c = entry(lane(rest));
+    let rest = rest & (rest - 1);
+    if rest == 0 {
+        let [a, b] = sorted(a, b);
+        let [b, c] = sorted(b, c);
+        let [a, b] = sorted(a, b);
+        stack.push(c);
+        stack.push(b);
+        return Some(a.child());
+    }
+    let d = entry(lane(rest));
+    let rest = rest & (rest - 1);
+    if rest == 0 {
+        let ([a, b], [c, d]) = (sorted(a, b), sorted(c, d));
+        let ([a, c], [b, d]) = (sorted(a, c), sorted(b, d));
+        let [b, c] = sorted(b, c);
+        stack.push(d);
+        stack.push(c);
+        stack.push(b);
+        return Some(a.child());
+    }
+    for entry in [a, b, c, d] {
+        stack.push(entry);
+    }
+    let mut count = 4;
     let mut rest = rest;
     while rest != 0 {
-        let lane = lane(rest);
-        stack.push(Entry::new(node.children[lane], starts[lane]));
+        stack.push(entry(lane(rest)));
         rest &= rest - 1;
         count += 1;
     }
     stack.sort_last(count);
     stack.pop().map(Entry::child)
+}
+
+/// Two entries in order, without a branch.
+#[inline(always)]
+fn sorted(a: Entry, b: Entry) -> [Entry; 2] {
+    if b < a { [b, a] } else { [a, b] }
 }

@@ -1,15 +1,15 @@
 //! What vector kernels say of a block of triangles.
 
 use crate::simd::{Lanes, Simd};
-use crate::{Ray, TriangleBlock};
+use crate::{FusedRay, Ray, TriangleBlock};
 
 /// A ray prepared for testing blocks of triangles: a filter before the tests of single triangles.
 ///
 /// It depends on the block and the ray how much it throws out; what it lets through, and what it calls certain, is true of the
 /// kernel that it belongs to. So answers do not depend on the level, on blocks, or on what else is in them.
 pub trait BlockFilter: Copy {
-    /// Prepares a valid ray for triangles whose vertices differ from its origin by at most `farthest` in each coordinate.
-    fn new(ray: &Ray, farthest: f32) -> Self;
+    /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
+    fn new(ray: &Ray, fused: &FusedRay) -> Self;
 
     /// What can be said of a block's triangles: `None` if the kernel accepts none of them with `t`, rounded, up to `t_max`.
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
@@ -47,7 +47,7 @@ pub struct NoFilter;
 
 impl BlockFilter for NoFilter {
     #[inline]
-    fn new(_ray: &Ray, _farthest: f32) -> Self {
+    fn new(_ray: &Ray, _fused: &FusedRay) -> Self {
         Self
     }
 

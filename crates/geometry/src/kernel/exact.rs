@@ -82,18 +82,9 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
 
     type Block = super::ExactBlockFilter;
 
+    #[inline]
     fn new(ray: &Ray) -> Self {
-        let power = power_of_two(ray.direction);
-        let scaled_direction = (ray.direction.as_dvec3() / power).as_vec3();
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "a power of two in the range of f32"
-        )]
-        let t_scale = if (1e-18..1e18).contains(&power) {
-            power as f32
-        } else {
-            f32::NAN
-        };
+        let (scaled_direction, t_scale) = scaled(ray.direction);
         Self {
             ray: *ray,
             scaled_direction,
@@ -113,6 +104,24 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
             return None;
         }
         self.intersect_in_f64(triangle, t_max, counter)
+    }
+
+    #[inline(never)]
+    fn intersect_certain<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        // The terms of the f64 rung, without its decisions.
+        let terms = Terms::new(&self.ray, triangle);
+        if let Some((t, error)) = terms.t() {
+            let [low, high] = [t - error, t + error].map(rounded);
+            if low == high && self.ray.t_min < low && low < self.ray.t_max {
+                counter.decisions(Rung::F64, 1);
+                return Some(terms.hit(low));
+            }
+        }
+        self.intersect_in_f64(triangle, f32::INFINITY, counter)
     }
 
     #[cold]
@@ -190,41 +199,23 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         t_max: f32,
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        let [origin, direction, a, b, c] = [
-            self.ray.origin,
-            self.ray.direction,
-            triangle.a,
-            triangle.b,
-            triangle.c,
-        ]
-        .map(Vec3::as_dvec3);
-        let (from_origin, edge1, edge2) = (a - origin, b - a, c - a);
-        let normal = edge1.cross(edge2);
-        let moment = direction.cross(from_origin);
-        let determinant = direction.dot(normal);
-        let of_b = -edge2.dot(moment);
-        let of_c = edge1.dot(moment);
-        let of_a = determinant - of_b - of_c;
-
-        let [d, f, e1, e2] =
-            [direction, from_origin, edge1, edge2].map(|vector: DVec3| vector.abs().max_element());
-        let error_b = F64_ERROR * d * f * e2;
-        let error_c = F64_ERROR * d * f * e1;
-        let determinant_error = F64_ERROR * d * e1 * e2;
-        let error_a = determinant_error + error_b + error_c;
+        let terms = Terms::new(&self.ray, triangle);
+        let Terms {
+            of_b,
+            of_c,
+            determinant,
+            error_b,
+            error_c,
+            ..
+        } = terms;
+        let (of_a, error_a) = terms.of_a();
         let positive = [of_a > error_a, of_b > error_b, of_c > error_c];
         let negative = [of_a < -error_a, of_b < -error_b, of_c < -error_c];
         if positive.contains(&true) && negative.contains(&true) {
             counter.decisions(Rung::F64, 1);
             return None;
         }
-        let is_well_conditioned = error_a <= WEIGHT_ERROR * determinant.abs();
-        let depth = from_origin.dot(normal);
-        let depth_error = F64_ERROR * f * e1 * e2;
-        let (true, Some((t, error))) = (
-            is_well_conditioned,
-            quotient(depth, depth_error, determinant, determinant_error),
-        ) else {
+        let Some((t, error)) = terms.t() else {
             return self.intersect_exactly(triangle, t_max, counter);
         };
         let [low, high] = [t - error, t + error].map(rounded);
@@ -246,11 +237,7 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
             }
         }
         counter.decisions(rung, 1);
-        Some(TriangleHit::new(
-            low,
-            of_b / determinant,
-            of_c / determinant,
-        ))
+        Some(terms.hit(low))
     }
 
     /// Whether the ray passes all edges that f64 was not certain of on the side of the determinant's sign.
@@ -282,6 +269,78 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
     }
 }
 
+/// The terms of a ray and a triangle in f64, with bounds of their errors.
+#[derive(Clone, Copy)]
+struct Terms {
+    of_b: f64,
+    of_c: f64,
+    determinant: f64,
+    depth: f64,
+    error_b: f64,
+    error_c: f64,
+    determinant_error: f64,
+    depth_error: f64,
+}
+
+impl Terms {
+    #[inline(always)]
+    fn new(ray: &Ray, triangle: &Triangle) -> Self {
+        let [origin, direction] = [ray.origin, ray.direction].map(Vec3::as_dvec3);
+        let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
+        let (from_origin, edge1, edge2) = (a - origin, b - a, c - a);
+        let normal = edge1.cross(edge2);
+        let moment = direction.cross(from_origin);
+        let [d, f, e1, e2] = [direction, from_origin, edge1, edge2].map(largest_component_f64);
+        Self {
+            of_b: -edge2.dot(moment),
+            of_c: edge1.dot(moment),
+            determinant: direction.dot(normal),
+            depth: from_origin.dot(normal),
+            error_b: F64_ERROR * d * f * e2,
+            error_c: F64_ERROR * d * f * e1,
+            determinant_error: F64_ERROR * d * e1 * e2,
+            depth_error: F64_ERROR * f * e1 * e2,
+        }
+    }
+
+    /// The weight of the first vertex and the bound of its error.
+    #[inline(always)]
+    fn of_a(&self) -> (f64, f64) {
+        (
+            self.determinant - self.of_b - self.of_c,
+            self.determinant_error + self.error_b + self.error_c,
+        )
+    }
+
+    /// `t` and the bound of its error; `None` if it or the weights are too uncertain.
+    #[inline(always)]
+    fn t(&self) -> Option<(f64, f64)> {
+        let (_, error_a) = self.of_a();
+        let is_well_conditioned = error_a <= WEIGHT_ERROR * self.determinant.abs();
+        let t = quotient(
+            self.depth,
+            self.depth_error,
+            self.determinant,
+            self.determinant_error,
+        );
+        t.filter(|_| is_well_conditioned)
+    }
+
+    /// The hit at a `t` that is certain.
+    #[inline(always)]
+    fn hit(&self, t: f32) -> TriangleHit {
+        let reciprocal = 1.0 / self.determinant;
+        TriangleHit::new(t, self.of_b * reciprocal, self.of_c * reciprocal)
+    }
+}
+
+/// The largest magnitude of a component.
+#[inline(always)]
+fn largest_component_f64(vector: DVec3) -> f64 {
+    let larger = |a: f64, b: f64| if a > b { a } else { b };
+    larger(vector.x.abs(), larger(vector.y.abs(), vector.z.abs()))
+}
+
 /// The largest magnitude of a component, at least [`SMALLEST_LENGTH`].
 #[inline]
 fn largest_component(vector: Vec3) -> f32 {
@@ -299,13 +358,24 @@ fn rounded(t: f64) -> f32 {
     nearest.clamp(f32::MIN, f32::MAX)
 }
 
-/// The power of two that is not above the largest component of a direction, and not below half of it.
+/// A direction divided by the power of two that is not above its largest component and not below half of it, and that power; NaN for the power where products
+/// with it could be inexact.
 ///
-/// Dividing by it is exact, but for components below `2^-126` of the largest, which may lose up to `2^-150`: less than the bounds have to spare.
-fn power_of_two(direction: Vec3) -> f64 {
-    let largest = f64::from(direction.abs().max_element());
-    // The exponent of a normal f64, which every f32 but zero becomes.
-    f64::from_bits(largest.to_bits() & (0x7ff << 52))
+/// Dividing is exact, but for components below `2^-126` of the largest, which may lose up to `2^-150`: less than the bounds have to spare.
+#[inline]
+fn scaled(direction: Vec3) -> (Vec3, f32) {
+    const EXPONENT: u32 = 0xff << 23;
+    /// The sum of the exponents' fields of a power of two and its reciprocal.
+    const OF_RECIPROCALS: u32 = 254 << 23;
+    let largest = direction.abs().max_element();
+    let power = largest.to_bits() & EXPONENT;
+    if (1e-18..1e18).contains(&largest) {
+        let reciprocal = f32::from_bits(OF_RECIPROCALS - power);
+        return (direction * reciprocal, f32::from_bits(power));
+    }
+    // Every f32 but zero is a normal f64.
+    let power = f64::from_bits(f64::from(largest).to_bits() & (0x7ff << 52));
+    ((direction.as_dvec3() / power).as_vec3(), f32::NAN)
 }
 
 /// Whether two triangles have the same vertices in any order, and so the same plane.

@@ -23,7 +23,7 @@ use glam::Vec3;
 
 use super::block::{BlockFilter, BlockVerdict};
 use crate::simd::Simd;
-use crate::{Axis, Ray, TriangleBlock};
+use crate::{Axis, FusedRay, Ray, TriangleBlock};
 
 /// The bound of the edge functions, relative to `P (P + Z)`.
 const ERROR: f32 = 24.0 / (1u32 << 24) as f32;
@@ -59,18 +59,19 @@ struct Projected<S: Simd> {
 }
 
 impl BlockFilter for ExactBlockFilter {
-    #[inline]
-    fn new(ray: &Ray, farthest: f32) -> Self {
+    #[inline(always)]
+    fn new(ray: &Ray, fused: &FusedRay) -> Self {
         let z = Axis::dominant(ray.direction);
         let along = ray.direction[z as usize];
         Self {
             z,
             origin: ray.origin,
             direction: ray.direction,
-            reciprocal: 1.0 / along,
+            // The largest component is not clamped.
+            reciprocal: fused.reciprocal[z as usize],
             t_min: ray.t_min,
             t_max: ray.t_max,
-            decides: DIRECTIONS.contains(&along.abs()) && farthest <= FARTHEST,
+            decides: DIRECTIONS.contains(&along.abs()) && fused.farthest <= FARTHEST,
         }
     }
 
@@ -79,11 +80,12 @@ impl BlockFilter for ExactBlockFilter {
         if !self.decides {
             return BlockVerdict::undecided(block.used());
         }
-        let [a, b, c] = [0, 1, 2].map(|vertex| self.project(simd, block, vertex));
-        let edge = |from: &Projected<S>, to: &Projected<S>| {
-            simd.mul_sub(from.x, to.y, simd.mul(from.y, to.x))
-        };
-        let (of_a, of_b, of_c) = (edge(&c, &b), edge(&a, &c), edge(&b, &a));
+        let a = self.project(simd, block, 0);
+        let b = self.project(simd, block, 1);
+        let c = self.project(simd, block, 2);
+        let of_a = edge_function(simd, &c, &b);
+        let of_b = edge_function(simd, &a, &c);
+        let of_c = edge_function(simd, &b, &a);
         let smallest = simd.min(simd.min(of_a, of_b), of_c);
         let largest = simd.max(simd.max(of_a, of_b), of_c);
         let first_t = simd.min(simd.min(a.t, b.t), c.t);
@@ -118,14 +120,19 @@ impl BlockFilter for ExactBlockFilter {
         let rounding = simd.mul_add(farthest_t, simd.splat(T_ERROR), simd.splat(TINY_T));
         let margin = simd.add(rounding, spread);
         let (start, end) = (simd.sub(t, margin), simd.add(t, margin));
+        let is_certain = simd.and(has_sign, is_sharp);
+        let is_outside = simd.or(
+            simd.lt(end, simd.splat(self.t_min)),
+            simd.lt(simd.splat(t_max), start),
+        );
         let is_in_interval = simd.and(
             simd.lt(simd.splat(self.t_min), start),
             simd.lt(end, simd.splat(self.t_max)),
         );
-        let certain = simd.and(simd.and(has_sign, is_sharp), is_in_interval);
-        Some(BlockVerdict {
+        let possible = possible & !simd.bits(simd.and(is_certain, is_outside));
+        (possible != 0).then_some(BlockVerdict {
             possible,
-            certain: simd.bits(certain) & possible,
+            certain: simd.bits(simd.and(is_certain, is_in_interval)) & possible,
             starts: simd.store(start),
             ends: simd.store(end),
         })
@@ -136,20 +143,29 @@ impl ExactBlockFilter {
     #[inline(always)]
     fn project<S: Simd>(&self, simd: S, block: &TriangleBlock, vertex: usize) -> Projected<S> {
         let (x, y) = (self.z.next(), self.z.next().next());
-        let from_origin = |axis: Axis| {
-            let origin = simd.splat(self.origin[axis as usize]);
-            simd.sub(block.load(simd, vertex, axis), origin)
-        };
-        let t = simd.mul(from_origin(self.z), simd.splat(self.reciprocal));
-        let project = |axis: Axis| {
-            let direction = simd.splat(self.direction[axis as usize]);
-            simd.neg_mul_add(direction, t, from_origin(axis))
-        };
+        let t = simd.mul(
+            self.from_origin(simd, block, vertex, self.z),
+            simd.splat(self.reciprocal),
+        );
+        let direction_x = simd.splat(self.direction[x as usize]);
+        let direction_y = simd.splat(self.direction[y as usize]);
         Projected {
             t,
-            x: project(x),
-            y: project(y),
+            x: simd.neg_mul_add(direction_x, t, self.from_origin(simd, block, vertex, x)),
+            y: simd.neg_mul_add(direction_y, t, self.from_origin(simd, block, vertex, y)),
         }
+    }
+
+    #[inline(always)]
+    fn from_origin<S: Simd>(
+        &self,
+        simd: S,
+        block: &TriangleBlock,
+        vertex: usize,
+        axis: Axis,
+    ) -> S::F32s {
+        let origin = simd.splat(self.origin[axis as usize]);
+        simd.sub(block.load(simd, vertex, axis), origin)
     }
 
     /// The bound of the error of the edge functions.
@@ -160,12 +176,24 @@ impl ExactBlockFilter {
         vertices: [&Projected<S>; 3],
         farthest_t: S::F32s,
     ) -> S::F32s {
-        let [a, b, c] = vertices.map(|vertex| simd.max(simd.abs(vertex.x), simd.abs(vertex.y)));
-        let size = simd.max(simd.max(a, b), c);
+        let [a, b, c] = vertices;
+        let size = simd.max(simd.max(size(simd, a), size(simd, b)), size(simd, c));
         let along = simd.splat(self.direction[self.z as usize].abs() * (1.0 + T_ERROR));
         let extent = simd.mul_add(farthest_t, along, size);
         let tiny = simd.splat(TINY);
         let scale = simd.mul_add(extent, simd.splat(ERROR), tiny);
         simd.mul_add(size, scale, tiny)
     }
+}
+
+/// Twice the signed area of the triangle of the origin and two projected vertices.
+#[inline(always)]
+fn edge_function<S: Simd>(simd: S, from: &Projected<S>, to: &Projected<S>) -> S::F32s {
+    simd.mul_sub(from.x, to.y, simd.mul(from.y, to.x))
+}
+
+/// The larger coordinate of a projected vertex.
+#[inline(always)]
+fn size<S: Simd>(simd: S, vertex: &Projected<S>) -> S::F32s {
+    simd.max(simd.abs(vertex.x), simd.abs(vertex.y))
 }

@@ -131,6 +131,16 @@ pub trait TriangleKernel: Copy {
         counter: &mut C,
     ) -> Option<TriangleHit>;
 
+    /// The hit of a triangle that is certainly hit, with `t` in the ray's interval.
+    #[inline]
+    fn intersect_certain<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        self.intersect(triangle, f32::INFINITY, counter)
+    }
+
     /// The order along the ray of two triangles that were hit at the same rounded `t`; equal where the kernel knows no more.
     fn order_of_equal_t<C: TraversalCounter>(
         &self,

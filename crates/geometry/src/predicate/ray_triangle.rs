@@ -253,17 +253,20 @@ fn approximate_t(ray: &Ray, triangle: &Triangle) -> Option<(f64, f64)> {
 }
 
 /// A quotient with a bound of its error, from numbers with bounds; `None` if the divisor is not certain to two bits.
+#[inline]
 pub(crate) fn quotient(
     value: f64,
     value_error: f64,
     divisor: f64,
     divisor_error: f64,
 ) -> Option<(f64, f64)> {
-    let quotient = value / divisor;
-    // The divisor is at least half of what was computed, hence the factor 2; the last term is the rounding of the quotient
-    // and of the bound itself.
-    let error = 2.0 * (value_error + quotient.abs() * divisor_error) / divisor.abs()
-        + quotient.abs() * f64::EPSILON;
+    // One division, which is slow, in place of two.
+    let reciprocal = 1.0 / divisor;
+    let quotient = value * reciprocal;
+    // The divisor is at least half of what was computed, hence the factor 2; the last term is the two roundings of the quotient
+    // and those of the bound itself.
+    let error = 2.0 * (value_error + quotient.abs() * divisor_error) * reciprocal.abs()
+        + quotient.abs() * (2.0 * f64::EPSILON);
     (divisor.abs() > 2.0 * divisor_error).then_some((quotient, error))
 }
 
@@ -288,7 +291,9 @@ pub(crate) fn compare_hits_by_rung(
     {
         return (Some(sign.compared_with_zero()), Rung::F64);
     }
-    let order = if meet_where_the_ray_does(ray, first, second) {
+    let order = if are_in_a_plane_of_an_axis(first, second)
+        || meet_where_the_ray_does(ray, first, second)
+    {
         let is_parallel = |triangle| direction_side(ray.direction, triangle) == Sign::Zero;
         (!is_parallel(first) && !is_parallel(second)).then_some(Ordering::Equal)
     } else {
@@ -298,6 +303,15 @@ pub(crate) fn compare_hits_by_rung(
             .map(|(first, second)| first.compare(&second))
     };
     (order, Rung::Exact)
+}
+
+/// Whether two triangles lie in the same plane across an axis: doubled floors and walls are the usual reason for many hits at the same `t`.
+fn are_in_a_plane_of_an_axis(first: &Triangle, second: &Triangle) -> bool {
+    let [first, second] = [first.vertices(), second.vertices()];
+    (0..3).any(|axis| {
+        let mut others = first.iter().chain(&second);
+        others.all(|vertex| vertex[axis] == first[0][axis])
+    })
 }
 
 /// Whether a ray's line passes through a point of an edge or vertex that two triangles have in common: the usual reason for two

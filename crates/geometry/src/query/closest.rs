@@ -75,7 +75,7 @@ impl ClosestHit {
             triangle,
             t,
         } = certain;
-        let hit = kernel.intersect(&triangle, t.end, counter);
+        let hit = kernel.intersect_certain(&triangle, counter);
         debug_assert!(hit.is_some(), "the triangle is certainly hit");
         self.best = hit.map_or(Best::None, |hit| {
             let candidate = Candidate {

@@ -243,10 +243,12 @@ fn offer_triangle<K: TriangleKernel, H: HitCollector + ?Sized, C: TraversalCount
 }
 
 /// Tests a block of triangles and offers the hits to the collector: the inner step of vector traversals.
+///
+/// The filter was made for the ray. The kernel is made here, if the filter lets anything through: most blocks do without.
 #[inline(always)]
 pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     simd: S,
-    (kernel, filter): (&K, &K::Block),
+    (ray, filter): (&Ray, &K::Block),
     block: &TriangleBlock,
     collector: &mut H,
     counter: &mut C,
@@ -259,6 +261,7 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     let Some(verdict) = verdict else {
         return ControlFlow::Continue(());
     };
+    let kernel = &K::new(ray);
     for lane in lanes(verdict.certain) {
         let t = Interval {
             start: verdict.starts.0[lane],

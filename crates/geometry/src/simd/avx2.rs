@@ -35,6 +35,7 @@ impl Avx2 {
     }
 }
 
+#[inline(never)]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn run<T: WithSimd>(simd: Avx2, algorithm: T) -> T::Output {
     algorithm.with_simd(simd)
@@ -127,6 +128,10 @@ impl Simd for Avx2 {
     #[expect(clippy::cast_sign_loss, reason = "the lowest eight bits")]
     fn bits(self, mask: __m256) -> u32 {
         intrinsic!(_mm256_movemask_ps(mask)) as u32
+    }
+    #[inline(always)]
+    fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {
+        self.run(algorithm)
     }
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {

@@ -77,6 +77,9 @@ pub trait Simd: Copy {
     /// Bit `i` for lane `i`.
     fn bits(self, mask: Self::Mask) -> u32;
 
+    /// Runs a part of an algorithm in a function of its own: what it keeps in registers is not mixed with the rest.
+    fn outline<T: WithSimd>(self, algorithm: T) -> T::Output;
+
     /// Asks for a cache line that is soon needed, where the processor can be asked.
     fn prefetch<T>(self, _place: &T) {}
 }

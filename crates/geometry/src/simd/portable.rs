@@ -1,6 +1,6 @@
 //! The level of every processor: arrays, which the compiler turns into what vectors the architecture is sure to have.
 
-use super::{LANES, Lanes, Simd};
+use super::{LANES, Lanes, Simd, WithSimd};
 
 /// The level that every processor has.
 #[derive(Clone, Copy, Debug)]
@@ -89,4 +89,13 @@ impl Simd for Portable {
         let lanes = mask.into_iter().enumerate();
         lanes.fold(0, |bits, (lane, is_set)| bits | u32::from(is_set) << lane)
     }
+    #[inline(always)]
+    fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {
+        outlined(algorithm)
+    }
+}
+
+#[inline(never)]
+fn outlined<T: WithSimd>(algorithm: T) -> T::Output {
+    algorithm.with_simd(Portable)
 }
