@@ -1,6 +1,6 @@
 //! Triangles in blocks of eight, as vector kernels test them.
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use crate::simd::{LANES, Lanes, Simd};
 use crate::{Axis, Triangle, TriangleMesh};
@@ -92,6 +92,15 @@ impl TriangleBlock {
     pub const fn triangle(&self, lane: usize) -> Triangle {
         let [a, b, c] = &self.vertices;
         Triangle::new(vertex(a, lane), vertex(b, lane), vertex(c, lane))
+    }
+
+    /// The vertices of a lane's triangle.
+    #[inline(always)]
+    pub(crate) fn vertices(&self, lane: usize) -> [Vec3A; 3] {
+        let [a, b, c] = &self.vertices;
+        let vertex =
+            |axes: &[Lanes; 3]| Vec3A::new(axes[0].0[lane], axes[1].0[lane], axes[2].0[lane]);
+        [vertex(a), vertex(b), vertex(c)]
     }
 
     /// The triangles with their numbers.

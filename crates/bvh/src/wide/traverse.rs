@@ -27,24 +27,61 @@ impl Traverse for Bvh {
         self.options().precision
     }
 
-    #[inline]
     fn traverse<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
         &self,
         ray: &Ray,
         collector: &mut H,
         counter: &mut C,
     ) {
-        if self.layout().root == Child::NOTHING {
-            return;
-        }
         self.simd().dispatch(Traversal::<K, H, C> {
             bvh: self.layout(),
             ray,
             kernel: PhantomData,
-            collector: &mut *collector,
-            counter: &mut *counter,
+            collector,
+            counter,
         });
-        collector.finish(&K::new(ray), counter);
+    }
+
+    #[inline]
+    fn answer<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+        &self,
+        ray: &Ray,
+        collector: H,
+        counter: &mut C,
+    ) -> H::Answer {
+        self.simd().dispatch(Search::<K, H, C> {
+            bvh: self.layout(),
+            ray,
+            kernel: PhantomData,
+            collector,
+            counter,
+        })
+    }
+}
+
+/// A traversal and the answer, both with the instructions of the level.
+struct Search<'a, K, H, C> {
+    bvh: &'a WideBvh,
+    ray: &'a Ray,
+    kernel: PhantomData<K>,
+    collector: H,
+    counter: &'a mut C,
+}
+
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Search<'_, K, H, C> {
+    type Output = H::Answer;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) -> H::Answer {
+        let traversal = Traversal {
+            bvh: self.bvh,
+            ray: self.ray,
+            kernel: self.kernel,
+            collector: &mut self.collector,
+            counter: &mut *self.counter,
+        };
+        traversal.with_simd(simd);
+        self.collector.finish::<K, C>(self.ray, self.counter)
     }
 }
 
@@ -130,6 +167,9 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
             counter,
             ..
         } = self;
+        if bvh.root == Child::NOTHING {
+            return;
+        }
         let fused = FusedRay::new(ray, bvh.size, K::REACH);
         let filter = K::Block::new(ray, &fused);
         let slabs = Slabs::new(simd, &fused, ray.t_min);

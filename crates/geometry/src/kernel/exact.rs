@@ -106,7 +106,7 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         self.intersect_in_f64(triangle, t_max, counter)
     }
 
-    #[inline(never)]
+    #[inline(always)]
     fn intersect_certain<C: TraversalCounter>(
         &self,
         triangle: &Triangle,

@@ -3,9 +3,9 @@
 use std::ops::ControlFlow;
 
 use super::collector::{Candidate, CertainHit, HitCollector, compare};
-use super::{Hit, TraversalCounter};
+use super::{Hit, TraversalCounter, offer_triangle};
 use crate::predicate::Rung;
-use crate::{Ray, Triangle, TriangleKernel};
+use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
 
 /// Collects the closest hit: smallest `t`, then smallest primitive.
 ///
@@ -45,19 +45,6 @@ impl ClosestHit {
         }
     }
 
-    /// The closest hit of a traversal that is [finished](HitCollector::finish).
-    #[must_use]
-    pub fn hit(&self) -> Option<Hit> {
-        match self.best {
-            Best::Known(hit, _) => Some(hit),
-            Best::None => None,
-            Best::Certain(_) => {
-                debug_assert!(false, "a traversal that offers certain hits finishes");
-                None
-            }
-        }
-    }
-
     #[inline]
     fn keep_certain(&mut self, certain: &CertainHit) {
         self.t_max = certain.t.end;
@@ -67,25 +54,12 @@ impl ClosestHit {
     /// Computes the best hit if that was put off.
     #[inline]
     fn resolve<K: TriangleKernel, C: TraversalCounter>(&mut self, kernel: &K, counter: &mut C) {
-        let Best::Certain(certain) = self.best else {
-            return;
-        };
-        let CertainHit {
-            primitive,
-            triangle,
-            t,
-        } = certain;
-        let hit = kernel.intersect_certain(&triangle, counter);
-        debug_assert!(hit.is_some(), "the triangle is certainly hit");
-        self.best = hit.map_or(Best::None, |hit| {
-            let candidate = Candidate {
-                primitive,
-                triangle: &triangle,
-                hit,
-            };
-            Best::Known(candidate.hit(), triangle)
-        });
-        self.t_max = hit.map_or(t.end, |hit| hit.t);
+        if let Best::Certain(certain) = self.best
+            && let Some(hit) = known(&certain, kernel, counter)
+        {
+            self.t_max = hit.t;
+            self.best = Best::Known(hit, certain.triangle());
+        }
     }
 
     /// For hits whose order `t` alone does not settle for certain.
@@ -98,26 +72,19 @@ impl ClosestHit {
         counter: &mut C,
     ) -> ControlFlow<()> {
         self.resolve(kernel, counter);
-        let CertainHit {
-            primitive,
-            triangle,
-            ..
-        } = certain;
-        match kernel.intersect(triangle, self.t_max, counter) {
-            Some(hit) => {
-                let candidate = Candidate {
-                    primitive: *primitive,
-                    triangle,
-                    hit,
-                };
-                self.collect(kernel, &candidate, counter)
-            }
-            None => ControlFlow::Continue(()),
-        }
+        offer_triangle(
+            kernel,
+            &certain.triangle(),
+            certain.primitive,
+            self,
+            counter,
+        )
     }
 }
 
 impl HitCollector for ClosestHit {
+    type Answer = Option<Hit>;
+
     const ORDERED: bool = true;
 
     #[inline]
@@ -189,8 +156,33 @@ impl HitCollector for ClosestHit {
         ControlFlow::Continue(())
     }
 
-    #[inline]
-    fn finish<K: TriangleKernel, C: TraversalCounter>(&mut self, kernel: &K, counter: &mut C) {
-        self.resolve(kernel, counter);
+    #[inline(always)]
+    fn finish<K: TriangleKernel, C: TraversalCounter>(
+        self,
+        ray: &Ray,
+        counter: &mut C,
+    ) -> Option<Hit> {
+        match &self.best {
+            Best::None => None,
+            Best::Known(hit, _) => Some(*hit),
+            Best::Certain(certain) => known(certain, &K::new(ray), counter),
+        }
     }
+}
+
+/// The hit of a triangle that is certainly hit.
+#[inline(always)]
+fn known<K: TriangleKernel, C: TraversalCounter>(
+    certain: &CertainHit,
+    kernel: &K,
+    counter: &mut C,
+) -> Option<Hit> {
+    let hit = kernel.intersect_certain(&certain.triangle(), counter);
+    debug_assert!(hit.is_some(), "the triangle is certainly hit");
+    hit.map(|TriangleHit { t, u, v }| Hit {
+        t,
+        u,
+        v,
+        primitive: certain.primitive,
+    })
 }

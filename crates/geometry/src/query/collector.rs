@@ -4,6 +4,8 @@ use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::{Hit, TraversalCounter, offer_triangle};
+use glam::{Vec3, Vec3A};
+
 use crate::predicate::Rung;
 use crate::{Interval, Ray, Triangle, TriangleHit, TriangleKernel};
 
@@ -35,14 +37,27 @@ impl Candidate<'_> {
 pub struct CertainHit {
     /// Its index in the mesh.
     pub primitive: u32,
-    /// The triangle.
-    pub triangle: Triangle,
+    /// The triangle's vertices, each in a register's place: single coordinates that are written and read as vectors would be slow.
+    pub vertices: [Vec3A; 3],
     /// Where the exact `t` is for certain.
     pub t: Interval,
 }
 
+impl CertainHit {
+    /// The triangle.
+    #[inline(always)]
+    #[must_use]
+    pub fn triangle(&self) -> Triangle {
+        let [a, b, c] = self.vertices.map(Vec3::from);
+        Triangle::new(a, b, c)
+    }
+}
+
 /// The goal of a search.
-pub trait HitCollector {
+pub trait HitCollector: Sized {
+    /// What a search finds.
+    type Answer;
+
     /// Whether the search is over sooner if what is nearer comes first.
     const ORDERED: bool;
 
@@ -69,17 +84,21 @@ pub trait HitCollector {
         certain: &CertainHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
-        let CertainHit {
-            primitive,
-            triangle,
-            ..
-        } = certain;
-        offer_triangle(kernel, triangle, *primitive, self, counter)
+        offer_triangle(
+            kernel,
+            &certain.triangle(),
+            certain.primitive,
+            self,
+            counter,
+        )
     }
 
-    /// Does what was put off. Called at the end of a traversal that offered [certain hits](Self::collect_certain).
-    #[inline]
-    fn finish<K: TriangleKernel, C: TraversalCounter>(&mut self, _kernel: &K, _counter: &mut C) {}
+    /// What the search found, after all that was put off.
+    fn finish<K: TriangleKernel, C: TraversalCounter>(
+        self,
+        ray: &Ray,
+        counter: &mut C,
+    ) -> Self::Answer;
 }
 
 /// The order of hits along a ray: by `t`, then by primitive.
@@ -130,15 +149,11 @@ impl AnyHit {
             ..self
         }
     }
-
-    /// Whether a hit was found.
-    #[must_use]
-    pub const fn found(&self) -> bool {
-        self.found
-    }
 }
 
 impl HitCollector for AnyHit {
+    type Answer = bool;
+
     const ORDERED: bool = false;
 
     #[inline]
@@ -173,6 +188,11 @@ impl HitCollector for AnyHit {
         }
         self.found = true;
         ControlFlow::Break(())
+    }
+
+    #[inline(always)]
+    fn finish<K: TriangleKernel, C: TraversalCounter>(self, _ray: &Ray, _counter: &mut C) -> bool {
+        self.found
     }
 }
 
@@ -218,6 +238,8 @@ impl AllHits {
 }
 
 impl HitCollector for AllHits {
+    type Answer = Self;
+
     const ORDERED: bool = false;
 
     #[inline]
@@ -234,5 +256,10 @@ impl HitCollector for AllHits {
     ) -> ControlFlow<()> {
         self.hits.push((candidate.hit(), *candidate.triangle));
         ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn finish<K: TriangleKernel, C: TraversalCounter>(self, _ray: &Ray, _counter: &mut C) -> Self {
+        self
     }
 }

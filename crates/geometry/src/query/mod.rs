@@ -106,43 +106,61 @@ pub trait Traverse: Sync {
         collector: &mut H,
         counter: &mut C,
     );
+
+    /// The answer of a search by [`traverse`](Self::traverse).
+    #[inline]
+    fn answer<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+        &self,
+        ray: &Ray,
+        mut collector: H,
+        counter: &mut C,
+    ) -> H::Answer {
+        self.traverse::<K, H, C>(ray, &mut collector, counter);
+        collector.finish::<K, C>(ray, counter)
+    }
 }
 
-/// Runs the traversal with the kernel of the structure's precision, if the ray is valid.
-fn run<T, H, C>(structure: &T, ray: &Ray, mut collector: H, counter: &mut C) -> H
+/// Runs the search with the kernel of the structure's precision.
+#[inline]
+fn run<T, H, C>(structure: &T, ray: &Ray, collector: H, counter: &mut C) -> H::Answer
 where
     T: Traverse + ?Sized,
     H: HitCollector,
     C: TraversalCounter,
 {
-    if ray.is_valid() {
-        match structure.precision() {
-            Precision::Fast => {
-                structure.traverse::<MollerTrumbore, _, _>(ray, &mut collector, counter);
-            }
-            Precision::Watertight => structure.traverse::<Woop, _, _>(ray, &mut collector, counter),
-            Precision::Exact => structure.traverse::<Exact, _, _>(ray, &mut collector, counter),
-        }
+    match structure.precision() {
+        Precision::Fast => search::<_, MollerTrumbore, _, _>(structure, ray, collector, counter),
+        Precision::Watertight => search::<_, Woop, _, _>(structure, ray, collector, counter),
+        Precision::Exact => search::<_, Exact, _, _>(structure, ray, collector, counter),
     }
-    collector
+}
+
+/// Runs the search if the ray is valid.
+#[inline]
+fn search<T, K, H, C>(structure: &T, ray: &Ray, collector: H, counter: &mut C) -> H::Answer
+where
+    T: Traverse + ?Sized,
+    K: TriangleKernel,
+    H: HitCollector,
+    C: TraversalCounter,
+{
+    if ray.is_valid() {
+        structure.answer::<K, H, C>(ray, collector, counter)
+    } else {
+        collector.finish::<K, C>(ray, counter)
+    }
 }
 
 /// All crossings of a valid ray; none of others.
 fn crossings<T: Traverse + ?Sized>(structure: &T, ray: &Ray) -> AllHits {
-    let mut hits = AllHits::new(ray);
-    if ray.is_valid() {
-        structure.traverse::<ExactCrossing, _, _>(ray, &mut hits, &mut ());
-    }
-    hits
+    search::<_, ExactCrossing, _, _>(structure, ray, AllHits::new(ray), &mut ())
 }
 
 /// Whether a point lies on a triangle that has an area: no such triangle is parallel to all three axes.
 fn is_on_surface<T: Traverse + ?Sized>(structure: &T, point: Vec3) -> bool {
     Axis::ALL.into_iter().any(|axis| {
         let ray = Ray::with_interval(point, axis.unit_vector(), 0.0, 0.0);
-        let mut any = AnyHit::new(&ray);
-        structure.traverse::<Exact, _, _>(&ray, &mut any, &mut ());
-        any.found()
+        structure.answer::<Exact, _, _>(&ray, AnyHit::new(&ray), &mut ())
     })
 }
 
@@ -152,11 +170,11 @@ impl<T: Traverse> RayQuery for T {
     }
 
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        run(self, ray, ClosestHit::new(ray), &mut ()).hit()
+        run(self, ray, ClosestHit::new(ray), &mut ())
     }
 
     fn any_hit(&self, ray: &Ray) -> bool {
-        run(self, ray, AnyHit::new(ray), &mut ()).found()
+        run(self, ray, AnyHit::new(ray), &mut ())
     }
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
@@ -174,19 +192,19 @@ impl<T: Traverse> RayQuery for T {
     }
 
     fn closest_hit_counted(&self, ray: &Ray, counts: &mut QueryCounts) -> Option<Hit> {
-        run(self, ray, ClosestHit::new(ray), counts).hit()
+        run(self, ray, ClosestHit::new(ray), counts)
     }
 
     fn any_hit_counted(&self, ray: &Ray, counts: &mut QueryCounts) -> bool {
-        run(self, ray, AnyHit::new(ray), counts).found()
+        run(self, ray, AnyHit::new(ray), counts)
     }
 
     fn closest_hit_ignoring(&self, ray: &Ray, primitive: u32) -> Option<Hit> {
-        run(self, ray, ClosestHit::new(ray).ignoring(primitive), &mut ()).hit()
+        run(self, ray, ClosestHit::new(ray).ignoring(primitive), &mut ())
     }
 
     fn any_hit_ignoring(&self, ray: &Ray, primitive: u32) -> bool {
-        run(self, ray, AnyHit::new(ray).ignoring(primitive), &mut ()).found()
+        run(self, ray, AnyHit::new(ray).ignoring(primitive), &mut ())
     }
 
     fn all_hits(&self, ray: &Ray, visitor: &mut dyn FnMut(Hit) -> ControlFlow<()>) {
@@ -222,7 +240,7 @@ pub fn test_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
 
 /// Tests a triangle that was counted.
 #[inline]
-fn offer_triangle<K: TriangleKernel, H: HitCollector + ?Sized, C: TraversalCounter>(
+fn offer_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     kernel: &K,
     triangle: &crate::Triangle,
     primitive: u32,
@@ -273,7 +291,7 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
         }
         let certain = CertainHit {
             primitive: block.used_number(lane),
-            triangle: block.triangle(lane),
+            vertices: block.vertices(lane),
             t,
         };
         collector.collect_certain(kernel, &certain, counter)?;
