@@ -3,6 +3,8 @@
 
 use std::mem::MaybeUninit;
 
+use tahko_geometry::HitCollector;
+
 use super::Child;
 
 /// Entries for which a traversal has room without asking for memory.
@@ -61,6 +63,18 @@ impl<'a> Stack<'a> {
         self.len -= 1;
         // SAFETY: by the invariant, the entries before the length that it had are written.
         Some(Entry(unsafe { self.room[self.len].assume_init() }))
+    }
+
+    /// The next child that may hold something up to `t_max`.
+    #[inline(always)]
+    pub(super) fn pop_before<H: HitCollector>(&mut self, t_max: f32) -> Option<Child> {
+        loop {
+            let entry = self.pop()?;
+            // Positive comparison: only what certainly begins beyond is skipped.
+            if !(H::ORDERED && entry.start() > t_max) {
+                return Some(entry.child());
+            }
+        }
     }
 
     /// Puts the `count` entries that were pushed last in order, the nearest one on top.

@@ -181,46 +181,44 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
             more.resize(bvh.stack_size, MaybeUninit::uninit());
             &mut more
         });
-        let mut t_max = simd.splat(collector.t_max());
+        let mut t_max = collector.t_max();
         let mut current = bvh.root;
         loop {
-            counter.node_visit();
-            match current.kind() {
-                Kind::Inner(index) => {
-                    let node = &bvh.nodes[index];
-                    counter.bound_tests(LANES as u64);
-                    let (start, hits) = slabs.clip(node, t_max);
-                    if let Some(nearest) =
-                        nearest_child::<S, H>(simd, node, start, hits, &mut stack)
-                    {
-                        current = nearest;
-                        continue;
-                    }
-                }
-                Kind::Leaf(first) => {
-                    let leaf = Leaf::<K, H, C> {
-                        blocks: &bvh.blocks[first..],
-                        ray,
-                        filter: &filter,
-                        collector: &mut *collector,
-                        counter: &mut *counter,
-                    };
-                    if simd.outline(leaf).is_break() {
-                        return;
-                    }
-                    t_max = simd.splat(collector.t_max());
-                }
-            }
-            loop {
-                let Some(entry) = stack.pop() else {
-                    return;
+            // Nodes have a loop of their own, without calls: what they are tested with stays in registers.
+            let limit = simd.splat(t_max);
+            let first_block = loop {
+                counter.node_visit();
+                let index = match current.kind() {
+                    Kind::Inner(index) => index,
+                    Kind::Leaf(first_block) => break first_block,
                 };
-                // Positive comparison: only what certainly begins beyond the best hit is skipped.
-                if H::ORDERED && entry.start() > collector.t_max() {
-                    continue;
+                let node = &bvh.nodes[index];
+                counter.bound_tests(LANES as u64);
+                let (start, hits) = slabs.clip(node, limit);
+                let nearest = if hits == 0 {
+                    stack.pop_before::<H>(t_max)
+                } else {
+                    Some(nearest_child::<S, H>(simd, node, start, hits, &mut stack))
+                };
+                match nearest {
+                    Some(child) => current = child,
+                    None => return,
                 }
-                current = entry.child();
-                break;
+            };
+            let leaf = Leaf::<K, H, C> {
+                blocks: &bvh.blocks[first_block..],
+                ray,
+                filter: &filter,
+                collector: &mut *collector,
+                counter: &mut *counter,
+            };
+            if simd.outline(leaf).is_break() {
+                return;
+            }
+            t_max = collector.t_max();
+            match stack.pop_before::<H>(t_max) {
+                Some(child) => current = child,
+                None => return,
             }
         }
     }
@@ -257,7 +255,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Leaf<
     }
 }
 
-/// The child that the ray enters first; the others are pushed, the farthest one first.
+/// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first.
 #[inline(always)]
 fn nearest_child<S: Simd, H: HitCollector>(
     simd: S,
@@ -265,15 +263,12 @@ fn nearest_child<S: Simd, H: HitCollector>(
     start: S::F32s,
     hits: u32,
     stack: &mut Stack<'_>,
-) -> Option<Child> {
-    if hits == 0 {
-        return None;
-    }
+) -> Child {
     let lane = |bits: u32| bits.trailing_zeros() as usize % LANES;
     let first = lane(hits);
     let rest = hits & (hits - 1);
     if rest == 0 {
-        return Some(node.children[first]);
+        return node.children[first];
     }
     if !H::ORDERED {
         let mut rest = rest;
@@ -281,7 +276,7 @@ fn nearest_child<S: Simd, H: HitCollector>(
             stack.push(Entry::new(node.children[lane(rest)], 0.0));
             rest &= rest - 1;
         }
-        return Some(node.children[first]);
+        return node.children[first];
     }
     let starts = simd.store(start).0;
     let entry = |lane: usize| Entry::new(node.children[lane], starts[lane]);
@@ -291,7 +286,7 @@ fn nearest_child<S: Simd, H: HitCollector>(
     if rest == 0 {
         let [near, far] = sorted(a, b);
         stack.push(far);
-        return Some(near.child());
+        return near.child();
     }
     let c = entry(lane(rest));
     let rest = rest & (rest - 1);
@@ -301,7 +296,7 @@ fn nearest_child<S: Simd, H: HitCollector>(
         let [a, b] = sorted(a, b);
         stack.push(c);
         stack.push(b);
-        return Some(a.child());
+        return a.child();
     }
     let d = entry(lane(rest));
     let rest = rest & (rest - 1);
@@ -312,7 +307,7 @@ fn nearest_child<S: Simd, H: HitCollector>(
         stack.push(d);
         stack.push(c);
         stack.push(b);
-        return Some(a.child());
+        return a.child();
     }
     for entry in [a, b, c, d] {
         stack.push(entry);
@@ -325,7 +320,7 @@ fn nearest_child<S: Simd, H: HitCollector>(
         count += 1;
     }
     stack.sort_last(count);
-    stack.pop().map(Entry::child)
+    stack.pop().map_or(Child::NOTHING, Entry::child)
 }
 
 /// Two entries in order, without a branch.

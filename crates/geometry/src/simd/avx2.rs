@@ -35,10 +35,15 @@ impl Avx2 {
     }
 }
 
-#[inline(never)]
 #[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
 fn run<T: WithSimd>(simd: Avx2, algorithm: T) -> T::Output {
     algorithm.with_simd(simd)
+}
+
+/// A function without features of its own, which cannot be inlined: of one with features the compiler heeds no `inline(never)`.
+#[inline(never)]
+fn outlined<T: WithSimd>(simd: Avx2, algorithm: T) -> T::Output {
+    simd.run(algorithm)
 }
 
 /// Calls an intrinsic of the level.
@@ -131,7 +136,7 @@ impl Simd for Avx2 {
     }
     #[inline(always)]
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {
-        self.run(algorithm)
+        outlined(self, algorithm)
     }
     #[inline(always)]
     fn prefetch<T>(self, place: &T) {
