@@ -2,10 +2,12 @@
 
 use std::ops::ControlFlow;
 
+use glam::{Vec3, Vec3A};
+
 use super::collector::{Candidate, CertainHit, HitCollector, compare};
 use super::{Hit, TraversalCounter, offer_triangle};
 use crate::predicate::Rung;
-use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
+use crate::{Interval, Ray, Triangle, TriangleHit, TriangleKernel};
 
 /// Collects the closest hit: smallest `t`, then smallest primitive.
 ///
@@ -15,14 +17,26 @@ use crate::{Ray, Triangle, TriangleHit, TriangleKernel};
 pub struct ClosestHit {
     t_max: f32,
     ignored: Option<u32>,
+    /// What is known of the best hit so far. The fields that follow are written one by one, from registers: as a value that is moved they would be
+    /// read back in other widths than they were written in, for which processors wait.
     best: Best,
+    primitive: u32,
+    /// Where `t` is; both ends are `t` for a hit that is known.
+    t: Interval,
+    u: f32,
+    v: f32,
+    vertices: [Vec3A; 3],
 }
 
-#[derive(Clone, Copy, Debug)]
+/// What is known of the best hit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Best {
+    /// There is none.
     None,
-    Known(Hit, Triangle),
-    Certain(CertainHit),
+    /// All.
+    Known,
+    /// That it is one, and where `t` is.
+    Certain,
 }
 
 impl ClosestHit {
@@ -33,6 +47,14 @@ impl ClosestHit {
             t_max: ray.t_max,
             ignored: None,
             best: Best::None,
+            primitive: 0,
+            t: Interval {
+                start: f32::INFINITY,
+                end: f32::INFINITY,
+            },
+            u: 0.0,
+            v: 0.0,
+            vertices: [Vec3A::ZERO; 3],
         }
     }
 
@@ -45,20 +67,56 @@ impl ClosestHit {
         }
     }
 
-    #[inline]
-    fn keep_certain(&mut self, certain: &CertainHit) {
-        self.t_max = certain.t.end;
-        self.best = Best::Certain(*certain);
+    fn triangle(&self) -> Triangle {
+        let [a, b, c] = self.vertices.map(Vec3::from);
+        Triangle::new(a, b, c)
+    }
+
+    #[inline(always)]
+    fn known_hit(&self) -> Hit {
+        Hit {
+            t: self.t.end,
+            u: self.u,
+            v: self.v,
+            primitive: self.primitive,
+        }
+    }
+
+    fn keep_known(&mut self, hit: &Hit) {
+        self.best = Best::Known;
+        self.primitive = hit.primitive;
+        self.t = Interval {
+            start: hit.t,
+            end: hit.t,
+        };
+        self.t_max = hit.t;
+        self.u = hit.u;
+        self.v = hit.v;
+    }
+
+    /// The best hit, which is certain.
+    #[inline(always)]
+    fn compute<K: TriangleKernel, C: TraversalCounter>(
+        &self,
+        kernel: &K,
+        counter: &mut C,
+    ) -> Option<Hit> {
+        let hit = kernel.intersect_certain(&self.triangle(), counter);
+        debug_assert!(hit.is_some(), "the triangle is certainly hit");
+        hit.map(|TriangleHit { t, u, v }| Hit {
+            t,
+            u,
+            v,
+            primitive: self.primitive,
+        })
     }
 
     /// Computes the best hit if that was put off.
-    #[inline]
     fn resolve<K: TriangleKernel, C: TraversalCounter>(&mut self, kernel: &K, counter: &mut C) {
-        if let Best::Certain(certain) = self.best
-            && let Some(hit) = known(&certain, kernel, counter)
+        if self.best == Best::Certain
+            && let Some(hit) = self.compute(kernel, counter)
         {
-            self.t_max = hit.t;
-            self.best = Best::Known(hit, certain.triangle());
+            self.keep_known(&hit);
         }
     }
 
@@ -67,13 +125,14 @@ impl ClosestHit {
     #[inline(never)]
     fn collect_both<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
-        kernel: &K,
+        ray: &Ray,
         certain: &CertainHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
-        self.resolve(kernel, counter);
+        let kernel = K::new(ray);
+        self.resolve(&kernel, counter);
         offer_triangle(
-            kernel,
+            &kernel,
             &certain.triangle(),
             certain.primitive,
             self,
@@ -102,56 +161,50 @@ impl HitCollector for ClosestHit {
         if self.ignored == Some(candidate.primitive) {
             return ControlFlow::Continue(());
         }
-        if let Best::Certain(best) = &self.best
-            && candidate.hit.t >= best.t.start
-        {
+        if candidate.hit.t >= self.t.start {
             self.resolve(kernel, counter);
         }
-        let is_closer = match &self.best {
+        let is_closer = match self.best {
             Best::None => true,
             // The candidate begins before it.
-            Best::Certain(_) => {
+            Best::Certain => {
                 counter.decisions(Rung::F32, 1);
                 true
             }
-            Best::Known(best, triangle) => compare(
+            Best::Known => compare(
                 kernel,
                 (&candidate.hit(), candidate.triangle),
-                (best, triangle),
+                (&self.known_hit(), &self.triangle()),
                 counter,
             )
             .is_lt(),
         };
         if is_closer {
-            self.t_max = candidate.hit.t;
-            self.best = Best::Known(candidate.hit(), *candidate.triangle);
+            self.keep_known(&candidate.hit());
+            self.vertices = candidate.triangle.vertices().map(Vec3A::from);
         }
         ControlFlow::Continue(())
     }
 
-    #[inline]
+    #[inline(always)]
     fn collect_certain<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
-        kernel: &K,
+        ray: &Ray,
         certain: &CertainHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
-        let (best, start, end) = match &self.best {
-            Best::None => (None, f32::INFINITY, f32::INFINITY),
-            Best::Known(best, _) => (Some(best.primitive), best.t, best.t),
-            Best::Certain(best) => (Some(best.primitive), best.t.start, best.t.end),
-        };
-        let is_certain = matches!(self.best, Best::Certain(_));
-        if self.ignored == Some(certain.primitive)
-            || best == Some(certain.primitive)
-            || certain.t.start > end
-        {
+        let is_known = self.best != Best::None && self.primitive == certain.primitive;
+        if is_known || certain.t.start > self.t.end || self.ignored == Some(certain.primitive) {
             counter.decisions(Rung::F32, 1);
-        } else if best.is_none() || certain.t.end < start {
-            counter.decisions(Rung::F32, u64::from(is_certain));
-            self.keep_certain(certain);
+        } else if certain.t.end < self.t.start {
+            counter.decisions(Rung::F32, u64::from(self.best == Best::Certain));
+            self.best = Best::Certain;
+            self.primitive = certain.primitive;
+            self.t = certain.t;
+            self.t_max = certain.t.end;
+            self.vertices = certain.vertices;
         } else {
-            return self.collect_both(kernel, certain, counter);
+            return self.collect_both::<K, C>(ray, certain, counter);
         }
         ControlFlow::Continue(())
     }
@@ -162,27 +215,10 @@ impl HitCollector for ClosestHit {
         ray: &Ray,
         counter: &mut C,
     ) -> Option<Hit> {
-        match &self.best {
+        match self.best {
             Best::None => None,
-            Best::Known(hit, _) => Some(*hit),
-            Best::Certain(certain) => known(certain, &K::new(ray), counter),
+            Best::Known => Some(self.known_hit()),
+            Best::Certain => self.compute(&K::new(ray), counter),
         }
     }
-}
-
-/// The hit of a triangle that is certainly hit.
-#[inline(always)]
-fn known<K: TriangleKernel, C: TraversalCounter>(
-    certain: &CertainHit,
-    kernel: &K,
-    counter: &mut C,
-) -> Option<Hit> {
-    let hit = kernel.intersect_certain(&certain.triangle(), counter);
-    debug_assert!(hit.is_some(), "the triangle is certainly hit");
-    hit.map(|TriangleHit { t, u, v }| Hit {
-        t,
-        u,
-        v,
-        primitive: certain.primitive,
-    })
 }

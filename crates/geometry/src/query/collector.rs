@@ -80,12 +80,12 @@ pub trait HitCollector: Sized {
     #[inline]
     fn collect_certain<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
-        kernel: &K,
+        ray: &Ray,
         certain: &CertainHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
         offer_triangle(
-            kernel,
+            &K::new(ray),
             &certain.triangle(),
             certain.primitive,
             self,
@@ -178,7 +178,7 @@ impl HitCollector for AnyHit {
     #[inline]
     fn collect_certain<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
-        _kernel: &K,
+        _ray: &Ray,
         certain: &CertainHit,
         counter: &mut C,
     ) -> ControlFlow<()> {

@@ -279,7 +279,6 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     let Some(verdict) = verdict else {
         return ControlFlow::Continue(());
     };
-    let kernel = &K::new(ray);
     for lane in lanes(verdict.certain) {
         let t = Interval {
             start: verdict.starts.0[lane],
@@ -294,11 +293,16 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
             vertices: block.vertices(lane),
             t,
         };
-        collector.collect_certain(kernel, &certain, counter)?;
+        collector.collect_certain::<K, C>(ray, &certain, counter)?;
     }
-    for lane in lanes(verdict.possible & !verdict.certain) {
+    let uncertain = verdict.possible & !verdict.certain;
+    if uncertain == 0 {
+        return ControlFlow::Continue(());
+    }
+    let kernel = K::new(ray);
+    for lane in lanes(uncertain) {
         let (triangle, primitive) = (block.triangle(lane), block.used_number(lane));
-        offer_triangle(kernel, &triangle, primitive, collector, counter)?;
+        offer_triangle(&kernel, &triangle, primitive, collector, counter)?;
     }
     ControlFlow::Continue(())
 }
