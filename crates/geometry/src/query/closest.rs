@@ -204,7 +204,14 @@ impl HitCollector for ClosestHit {
             self.t_max = certain.t.end;
             self.vertices = certain.vertices;
         } else {
-            return self.collect_both::<K, C>(ray, certain, counter);
+            // A copy: what the call can see would have to be in memory on the way to it.
+            let [a, b, c] = certain.vertices;
+            let vertices = [a, b, c];
+            let copy = CertainHit {
+                vertices,
+                ..*certain
+            };
+            return self.collect_both::<K, C>(ray, &copy, counter);
         }
         ControlFlow::Continue(())
     }
