@@ -1,6 +1,6 @@
 //! Rays.
 
-use glam::Vec3;
+use glam::{Vec3, Vec4};
 
 /// The points `origin + t * direction` for `t` in the closed interval `[t_min, t_max]`.
 ///
@@ -50,12 +50,14 @@ impl Ray {
 
     /// Whether the ray can hit anything: finite origin and direction, a direction that is not zero,
     /// and an interval that is neither empty nor contains NaN.
+    #[inline]
     #[must_use]
     pub fn is_valid(&self) -> bool {
-        self.origin.is_finite()
-            && self.direction.is_finite()
-            && self.direction != Vec3::ZERO
-            && self.t_min <= self.t_max
+        let [origin, direction] = [self.origin, self.direction].map(|vector| vector.extend(0.0));
+        // Without branches between: nearly all rays are valid.
+        (origin.is_finite_mask() & direction.is_finite_mask()).all()
+            & direction.cmpne(Vec4::ZERO).any()
+            & (self.t_min <= self.t_max)
     }
 }
 

@@ -46,7 +46,7 @@ impl Traverse for Bvh {
     fn answer<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
         &self,
         ray: &Ray,
-        collector: H,
+        collector: &mut H,
         counter: &mut C,
     ) -> H::Answer {
         self.simd().dispatch(Search::<K, H, C> {
@@ -64,7 +64,7 @@ struct Search<'a, K, H, C> {
     bvh: &'a WideBvh,
     ray: &'a Ray,
     kernel: PhantomData<K>,
-    collector: H,
+    collector: &'a mut H,
     counter: &'a mut C,
 }
 
@@ -72,12 +72,12 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Searc
     type Output = H::Answer;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(mut self, simd: S) -> H::Answer {
+    fn with_simd<S: Simd>(self, simd: S) -> H::Answer {
         let traversal = Traversal {
             bvh: self.bvh,
             ray: self.ray,
             kernel: self.kernel,
-            collector: &mut self.collector,
+            collector: &mut *self.collector,
             counter: &mut *self.counter,
         };
         traversal.with_simd(simd);

@@ -19,8 +19,6 @@
 //! `3 e / (sum - 3 e)` of the triangle's range in `t`, less than `4 e / sum` of it, of the exact mean, and the roundings of `t` and of the
 //! mean are below `12 u` of the largest `t`.
 
-use glam::Vec3;
-
 use super::block::{BlockFilter, BlockVerdict};
 use crate::simd::Simd;
 use crate::{Axis, FusedRay, Ray, TriangleBlock};
@@ -43,8 +41,9 @@ const FARTHEST: f32 = (1u64 << 40) as f32;
 pub struct ExactBlockFilter {
     /// The axis of the largest direction component.
     z: Axis,
-    origin: Vec3,
-    direction: Vec3,
+    // Arrays: an index into a vector would be a branch, and often mispredicted.
+    origin: [f32; 3],
+    direction: [f32; 3],
     reciprocal: f32,
     t_min: f32,
     t_max: f32,
@@ -62,13 +61,15 @@ impl BlockFilter for ExactBlockFilter {
     #[inline(always)]
     fn new(ray: &Ray, fused: &FusedRay) -> Self {
         let z = Axis::dominant(ray.direction);
-        let along = ray.direction[z as usize];
+        let direction: &[f32; 3] = ray.direction.as_ref();
+        let reciprocal: &[f32; 4] = fused.reciprocal.as_ref();
+        let along = direction[z as usize];
         Self {
             z,
-            origin: ray.origin,
-            direction: ray.direction,
+            origin: *ray.origin.as_ref(),
+            direction: *direction,
             // The largest component is not clamped.
-            reciprocal: fused.reciprocal[z as usize],
+            reciprocal: reciprocal[z as usize],
             t_min: ray.t_min,
             t_max: ray.t_max,
             decides: DIRECTIONS.contains(&along.abs()) && fused.farthest <= FARTHEST,
@@ -112,9 +113,11 @@ impl BlockFilter for ExactBlockFilter {
         let sum = simd.mul(of_a, a.t);
         let sum = simd.mul_add(of_b, b.t, sum);
         let sum = simd.mul_add(of_c, c.t, sum);
-        let t = simd.div(sum, determinant);
+        // One division, whose sign the second use does not want.
+        let reciprocal = simd.div(simd.splat(1.0), determinant);
+        let t = simd.mul(sum, reciprocal);
         let spread = simd.mul(
-            simd.div(simd.mul(error, simd.splat(4.0)), magnitude),
+            simd.mul(simd.mul(error, simd.splat(4.0)), simd.abs(reciprocal)),
             simd.sub(last_t, first_t),
         );
         let rounding = simd.mul_add(farthest_t, simd.splat(T_ERROR), simd.splat(TINY_T));

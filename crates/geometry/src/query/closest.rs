@@ -218,7 +218,7 @@ impl HitCollector for ClosestHit {
 
     #[inline(always)]
     fn finish<K: TriangleKernel, C: TraversalCounter>(
-        self,
+        &mut self,
         ray: &Ray,
         counter: &mut C,
     ) -> Option<Hit> {

@@ -95,7 +95,7 @@ pub trait HitCollector: Sized {
 
     /// What the search found, after all that was put off.
     fn finish<K: TriangleKernel, C: TraversalCounter>(
-        self,
+        &mut self,
         ray: &Ray,
         counter: &mut C,
     ) -> Self::Answer;
@@ -191,7 +191,11 @@ impl HitCollector for AnyHit {
     }
 
     #[inline(always)]
-    fn finish<K: TriangleKernel, C: TraversalCounter>(self, _ray: &Ray, _counter: &mut C) -> bool {
+    fn finish<K: TriangleKernel, C: TraversalCounter>(
+        &mut self,
+        _ray: &Ray,
+        _counter: &mut C,
+    ) -> bool {
         self.found
     }
 }
@@ -238,7 +242,8 @@ impl AllHits {
 }
 
 impl HitCollector for AllHits {
-    type Answer = Self;
+    /// The collector has the hits.
+    type Answer = ();
 
     const ORDERED: bool = false;
 
@@ -259,7 +264,5 @@ impl HitCollector for AllHits {
     }
 
     #[inline(always)]
-    fn finish<K: TriangleKernel, C: TraversalCounter>(self, _ray: &Ray, _counter: &mut C) -> Self {
-        self
-    }
+    fn finish<K: TriangleKernel, C: TraversalCounter>(&mut self, _ray: &Ray, _counter: &mut C) {}
 }

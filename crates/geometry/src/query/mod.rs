@@ -112,17 +112,17 @@ pub trait Traverse: Sync {
     fn answer<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
         &self,
         ray: &Ray,
-        mut collector: H,
+        collector: &mut H,
         counter: &mut C,
     ) -> H::Answer {
-        self.traverse::<K, H, C>(ray, &mut collector, counter);
+        self.traverse::<K, H, C>(ray, collector, counter);
         collector.finish::<K, C>(ray, counter)
     }
 }
 
 /// Runs the search with the kernel of the structure's precision.
-#[inline]
-fn run<T, H, C>(structure: &T, ray: &Ray, collector: H, counter: &mut C) -> H::Answer
+#[inline(always)]
+fn run<T, H, C>(structure: &T, ray: &Ray, collector: &mut H, counter: &mut C) -> H::Answer
 where
     T: Traverse + ?Sized,
     H: HitCollector,
@@ -136,8 +136,8 @@ where
 }
 
 /// Runs the search if the ray is valid.
-#[inline]
-fn search<T, K, H, C>(structure: &T, ray: &Ray, collector: H, counter: &mut C) -> H::Answer
+#[inline(always)]
+fn search<T, K, H, C>(structure: &T, ray: &Ray, collector: &mut H, counter: &mut C) -> H::Answer
 where
     T: Traverse + ?Sized,
     K: TriangleKernel,
@@ -153,14 +153,16 @@ where
 
 /// All crossings of a valid ray; none of others.
 fn crossings<T: Traverse + ?Sized>(structure: &T, ray: &Ray) -> AllHits {
-    search::<_, ExactCrossing, _, _>(structure, ray, AllHits::new(ray), &mut ())
+    let mut hits = AllHits::new(ray);
+    search::<_, ExactCrossing, _, _>(structure, ray, &mut hits, &mut ());
+    hits
 }
 
 /// Whether a point lies on a triangle that has an area: no such triangle is parallel to all three axes.
 fn is_on_surface<T: Traverse + ?Sized>(structure: &T, point: Vec3) -> bool {
     Axis::ALL.into_iter().any(|axis| {
         let ray = Ray::with_interval(point, axis.unit_vector(), 0.0, 0.0);
-        structure.answer::<Exact, _, _>(&ray, AnyHit::new(&ray), &mut ())
+        structure.answer::<Exact, _, _>(&ray, &mut AnyHit::new(&ray), &mut ())
     })
 }
 
@@ -170,11 +172,11 @@ impl<T: Traverse> RayQuery for T {
     }
 
     fn closest_hit(&self, ray: &Ray) -> Option<Hit> {
-        run(self, ray, ClosestHit::new(ray), &mut ())
+        run(self, ray, &mut ClosestHit::new(ray), &mut ())
     }
 
     fn any_hit(&self, ray: &Ray) -> bool {
-        run(self, ray, AnyHit::new(ray), &mut ())
+        run(self, ray, &mut AnyHit::new(ray), &mut ())
     }
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
@@ -192,19 +194,29 @@ impl<T: Traverse> RayQuery for T {
     }
 
     fn closest_hit_counted(&self, ray: &Ray, counts: &mut QueryCounts) -> Option<Hit> {
-        run(self, ray, ClosestHit::new(ray), counts)
+        run(self, ray, &mut ClosestHit::new(ray), counts)
     }
 
     fn any_hit_counted(&self, ray: &Ray, counts: &mut QueryCounts) -> bool {
-        run(self, ray, AnyHit::new(ray), counts)
+        run(self, ray, &mut AnyHit::new(ray), counts)
     }
 
     fn closest_hit_ignoring(&self, ray: &Ray, primitive: u32) -> Option<Hit> {
-        run(self, ray, ClosestHit::new(ray).ignoring(primitive), &mut ())
+        run(
+            self,
+            ray,
+            &mut ClosestHit::new(ray).ignoring(primitive),
+            &mut (),
+        )
     }
 
     fn any_hit_ignoring(&self, ray: &Ray, primitive: u32) -> bool {
-        run(self, ray, AnyHit::new(ray).ignoring(primitive), &mut ())
+        run(
+            self,
+            ray,
+            &mut AnyHit::new(ray).ignoring(primitive),
+            &mut (),
+        )
     }
 
     fn all_hits(&self, ray: &Ray, visitor: &mut dyn FnMut(Hit) -> ControlFlow<()>) {
