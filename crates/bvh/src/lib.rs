@@ -40,7 +40,9 @@ mod bvh;
 mod options;
 mod parallel;
 mod statistics;
+mod validate;
 mod wide;
 
 pub use bvh::Bvh;
 pub use options::{BuildError, BvhOptions};
+pub use validate::{Content, ValidationError};
