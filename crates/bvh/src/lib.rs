@@ -38,6 +38,7 @@
 mod build;
 mod bvh;
 mod options;
+mod overlap;
 mod parallel;
 mod statistics;
 mod validate;
