@@ -38,9 +38,12 @@
 mod build;
 mod bvh;
 mod options;
+mod overlap;
 mod parallel;
 mod statistics;
+mod validate;
 mod wide;
 
 pub use bvh::Bvh;
 pub use options::{BuildError, BvhOptions};
+pub use validate::{Content, ValidationError};

@@ -1,220 +1,232 @@
 //! Checks that a tree is well formed.
 
+mod error;
+
 use tahko_geometry::Aabb;
-use thiserror::Error;
+use tahko_geometry::simd::LANES;
 
 use crate::Bvh;
 use crate::build::MAX_DEPTH;
-use crate::layout::Bvh2;
-use crate::node::{LeafTriangle, Node};
+use crate::wide::{Child, Kind, WideBvh};
 
-/// What is wrong with a tree. Nodes are numbered from the root, 0, in memory order.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ValidationError {
-    /// There are nodes or triangles, but no root.
-    #[error("the tree has no root")]
-    NoRoot,
-    /// An inner node names children that do not exist.
-    #[error(
-        "node {node} has its children at {index}, but there are only {count} pairs of siblings"
-    )]
-    ChildrenOutOfRange {
-        /// Number of the node.
-        node: usize,
-        /// The index of its children.
-        index: usize,
-        /// The number of pairs.
-        count: usize,
-    },
-    /// A node is the child of two nodes, or of its own descendant.
-    #[error("node {node} is reached a second time")]
-    ReachedTwice {
-        /// Number of the node.
-        node: usize,
-    },
-    /// A node is not the child of any node that is reached.
-    #[error("node {node} is not reached")]
-    NotReached {
-        /// Number of the node.
-        node: usize,
-    },
-    /// A leaf names triangles that do not exist.
-    #[error("leaf {node} has triangles up to {end}, but there are only {count}")]
-    TrianglesOutOfRange {
-        /// Number of the node.
-        node: usize,
-        /// One beyond its last triangle.
-        end: usize,
-        /// The number of triangles.
-        count: usize,
-    },
-    /// A box does not enclose what is in it.
-    #[error("the bounds of node {node} do not enclose {content}")]
-    NotEnclosed {
-        /// Number of the node.
-        node: usize,
-        /// The child or triangle that sticks out.
-        content: Content,
-    },
-    /// A triangle number is not below the number of triangles.
-    #[error("leaf {node} lists triangle {triangle}, but there are only {count}")]
-    NoSuchTriangle {
-        /// Number of the node.
-        node: usize,
-        /// Number of the triangle.
-        triangle: usize,
-        /// The number of triangles.
-        count: usize,
-    },
-    /// A triangle is listed in no leaf, or more than once.
-    #[error("triangle {triangle} is listed {times} times, and not once")]
-    NotListedOnce {
-        /// Number of the triangle.
-        triangle: usize,
-        /// How often it is listed.
-        times: u32,
-    },
-    /// A way from the root to a leaf is longer than the stack of the traversal, or not as long as the tree says.
-    #[error("the tree is {found} nodes deep; it says {stated}, and at most {limit} are allowed")]
-    Depth {
-        /// Nodes on the longest way.
-        found: usize,
-        /// The depth that the tree states.
-        stated: usize,
-        /// The depth that traversal can manage.
-        limit: usize,
-    },
-}
-
-/// What a box must enclose.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum Content {
-    /// The node with a number.
-    Node(usize),
-    /// The triangle with a number.
-    Triangle(usize),
-}
-
-impl std::fmt::Display for Content {
-    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Node(number) => write!(formatter, "node {number}"),
-            Self::Triangle(number) => write!(formatter, "triangle {number}"),
-        }
-    }
-}
+pub use self::error::{Content, ValidationError};
 
 impl Bvh {
-    /// Checks that the tree is well formed: indices in range, every node reached once, boxes that enclose their
-    /// content, every triangle in one leaf, a depth that traversal can manage. Trees from [`build`](Self::build) are.
+    /// Checks that the tree is well formed: every node and every block of triangles reached once, boxes that enclose what is below them,
+    /// every triangle listed and covered by the boxes of the leaves that list it, a depth and a stack that traversal can manage.
+    /// Trees from [`build`](Self::build) are.
+    ///
+    /// A triangle may be listed in several leaves, whose boxes then need not hold all of it: each of its corners has to be in at least one of them.
     ///
     /// Cost: O(n).
     ///
     /// # Errors
-    /// The first fault found, with the node that has it.
+    /// The first fault found, with the node or leaf that has it.
     pub fn validate(&self) -> Result<(), ValidationError> {
         Validation::new(self.layout()).run()
     }
 }
 
 struct Validation<'a> {
-    layout: &'a Bvh2,
-    siblings_reached: Vec<bool>,
-    times_listed: Vec<u32>,
+    layout: &'a WideBvh,
+    node_reached: Vec<bool>,
+    block_reached: Vec<bool>,
+    listings: Vec<Listing>,
+    /// The greatest depth and the largest stack found.
+    depth: usize,
+    stack_size: usize,
 }
 
+/// What is known of a triangle.
+#[derive(Clone, Copy)]
+struct Listing {
+    /// The last leaf that lists it; 0, which is none, before the first one.
+    leaf: usize,
+    /// Its first place: the block and the lane.
+    place: (usize, usize),
+    /// A bit for each of its corners that is in the box of a leaf that lists it.
+    corners: u8,
+}
+
+/// A child that is still to be looked at.
+struct Pending {
+    child: Child,
+    bounds: Aabb,
+    /// Nodes on the way from the root, this one included.
+    depth: usize,
+    /// The most children that wait while a traversal is below it.
+    waiting: usize,
+}
+
+const ALL_CORNERS: u8 = 0b111;
+
 impl<'a> Validation<'a> {
-    fn new(layout: &'a Bvh2) -> Self {
+    fn new(layout: &'a WideBvh) -> Self {
+        let unlisted = Listing {
+            leaf: 0,
+            place: (0, 0),
+            corners: 0,
+        };
         Self {
             layout,
-            siblings_reached: vec![false; layout.siblings.len()],
-            times_listed: vec![0; layout.triangles.len()],
+            node_reached: vec![false; layout.nodes.len()],
+            block_reached: vec![false; layout.blocks.len()],
+            listings: vec![unlisted; layout.triangle_count],
+            depth: 0,
+            stack_size: 0,
         }
     }
 
     fn run(mut self) -> Result<(), ValidationError> {
-        let mut found = 0;
-        let mut pending: Vec<(usize, &Node, usize)> = Vec::new();
-        match &self.layout.root {
-            Some(root) => pending.push((0, root, 1)),
-            None if self.layout.siblings.is_empty() && self.layout.triangles.is_empty() => {}
-            None => return Err(ValidationError::NoRoot),
+        self.check_first_block()?;
+        let root = Pending {
+            child: self.layout.root,
+            bounds: self.layout.bounds,
+            depth: 1,
+            waiting: 0,
+        };
+        let mut pending = Vec::new();
+        if root.child != Child::NOTHING {
+            pending.push(root);
+        } else if !self.layout.nodes.is_empty() || self.layout.blocks.len() > 1 {
+            return Err(ValidationError::NoRoot);
         }
-        while let Some((number, node, depth)) = pending.pop() {
-            found = found.max(depth);
-            if node.is_leaf() {
-                self.check_leaf(number, node)?;
-            } else {
-                let children = self.check_children(number, node)?;
-                pending.extend(children.map(|(number, node)| (number, node, depth + 1)));
+        while let Some(next) = pending.pop() {
+            self.depth = self.depth.max(next.depth);
+            match next.child.kind() {
+                Kind::Inner(index) => self.check_node(index, &next, &mut pending)?,
+                Kind::Leaf(first) => self.check_leaf(first, &next.bounds)?,
             }
         }
-        self.check_totals(found)
+        self.check_totals()
     }
 
-    /// The children of an inner node with their numbers.
-    fn check_children(
+    /// Block 0 stands for unused lanes.
+    fn check_first_block(&mut self) -> Result<(), ValidationError> {
+        let first = self.layout.blocks.first();
+        if !first.is_some_and(|block| block.used() == 0 && !block.continues()) {
+            return Err(ValidationError::FirstBlockInUse);
+        }
+        self.block_reached[0] = true;
+        Ok(())
+    }
+
+    fn check_node(
         &mut self,
-        number: usize,
-        node: &Node,
-    ) -> Result<[(usize, &'a Node); 2], ValidationError> {
-        let index = node.first();
-        let count = self.layout.siblings.len();
-        let siblings = self.layout.siblings.get(index);
-        let siblings = siblings.ok_or(ValidationError::ChildrenOutOfRange {
-            node: number,
-            index,
-            count,
-        })?;
-        let numbers = [2 * index + 1, 2 * index + 2];
-        if std::mem::replace(&mut self.siblings_reached[index], true) {
-            return Err(ValidationError::ReachedTwice { node: numbers[0] });
+        index: usize,
+        place: &Pending,
+        pending: &mut Vec<Pending>,
+    ) -> Result<(), ValidationError> {
+        let content = Content::Node(index);
+        let count = self.layout.nodes.len();
+        let Some(node) = self.layout.nodes.get(index) else {
+            return Err(ValidationError::OutOfRange { content, count });
+        };
+        if std::mem::replace(&mut self.node_reached[index], true) {
+            return Err(ValidationError::ReachedTwice { content });
         }
-        let children = [0, 1].map(|side| (numbers[side], &siblings.0[side]));
-        for (child_number, child) in children {
-            check_enclosed(number, node, &child.bounds(), Content::Node(child_number))?;
-        }
-        Ok(children)
-    }
-
-    fn check_leaf(&mut self, number: usize, node: &Node) -> Result<(), ValidationError> {
-        let count = self.layout.triangles.len();
-        let end = node.first() + node.count();
-        let triangles = self.layout.triangles.get(node.first()..end);
-        let triangles = triangles.ok_or(ValidationError::TrianglesOutOfRange {
-            node: number,
-            end,
-            count,
-        })?;
-        for LeafTriangle {
-            triangle,
-            number: listed,
-        } in triangles
-        {
-            let listed = *listed as usize;
-            let times = self.times_listed.get_mut(listed);
-            *times.ok_or(ValidationError::NoSuchTriangle {
-                node: number,
-                triangle: listed,
-                count,
-            })? += 1;
-            check_enclosed(number, node, &triangle.aabb(), Content::Triangle(listed))?;
+        self.stack_size = self.stack_size.max(place.waiting + LANES);
+        for (bounds, child) in node.children() {
+            if bounds.is_empty() || !place.bounds.contains_box(&bounds) {
+                let content = match child.kind() {
+                    Kind::Inner(index) => Content::Node(index),
+                    Kind::Leaf(first) => Content::Leaf(first),
+                };
+                return Err(ValidationError::NotEnclosed {
+                    node: index,
+                    content,
+                });
+            }
+            pending.push(Pending {
+                child,
+                bounds,
+                depth: place.depth + 1,
+                waiting: place.waiting + LANES - 1,
+            });
         }
         Ok(())
     }
 
-    fn check_totals(&self, found: usize) -> Result<(), ValidationError> {
-        if let Some(index) = self.siblings_reached.iter().position(|reached| !reached) {
-            let node = 2 * index + 1;
-            return Err(ValidationError::NotReached { node });
+    fn check_leaf(&mut self, first: usize, bounds: &Aabb) -> Result<(), ValidationError> {
+        let mut index = first;
+        loop {
+            let content = Content::Leaf(index);
+            let count = self.layout.blocks.len();
+            let Some(block) = self.layout.blocks.get(index) else {
+                return Err(ValidationError::OutOfRange { content, count });
+            };
+            if std::mem::replace(&mut self.block_reached[index], true) {
+                return Err(ValidationError::ReachedTwice { content });
+            }
+            if block.used() == 0 {
+                return Err(ValidationError::EmptyBlock { block: index });
+            }
+            for lane in (0..LANES).filter(|lane| block.number(*lane).is_some()) {
+                self.check_triangle(first, (index, lane), bounds)?;
+            }
+            if !block.continues() {
+                return Ok(());
+            }
+            index += 1;
         }
-        if let Some(triangle) = self.times_listed.iter().position(|times| *times != 1) {
-            let times = self.times_listed[triangle];
-            return Err(ValidationError::NotListedOnce { triangle, times });
+    }
+
+    fn check_triangle(
+        &mut self,
+        leaf: usize,
+        place: (usize, usize),
+        bounds: &Aabb,
+    ) -> Result<(), ValidationError> {
+        let at = |(block, lane): (usize, usize)| {
+            let block = &self.layout.blocks[block];
+            (block.number(lane), block.triangle(lane))
+        };
+        let (number, found) = at(place);
+        let triangle = number.map_or(usize::MAX, |number| number as usize);
+        let count = self.listings.len();
+        let Some(listing) = self.listings.get_mut(triangle) else {
+            return Err(ValidationError::NoSuchTriangle {
+                leaf,
+                triangle,
+                count,
+            });
+        };
+        if listing.leaf == leaf {
+            return Err(ValidationError::ListedTwice { leaf, triangle });
         }
-        let stated = self.layout.depth;
+        if listing.leaf == 0 {
+            listing.place = place;
+        } else if at(listing.place).1 != found {
+            return Err(ValidationError::Differs { leaf, triangle });
+        }
+        listing.leaf = leaf;
+        if bounds.intersection(found.aabb()).is_empty() {
+            return Err(ValidationError::NotMet { leaf, triangle });
+        }
+        for (corner, vertex) in found.vertices().into_iter().enumerate() {
+            listing.corners |= u8::from(bounds.contains(vertex)) << corner;
+        }
+        Ok(())
+    }
+
+    fn check_totals(&self) -> Result<(), ValidationError> {
+        let first_missed = |reached: &[bool]| reached.iter().position(|reached| !reached);
+        let missed = first_missed(&self.node_reached).map(Content::Node);
+        let missed = missed.or_else(|| first_missed(&self.block_reached).map(Content::Leaf));
+        if let Some(content) = missed {
+            return Err(ValidationError::NotReached { content });
+        }
+        for (triangle, listing) in self.listings.iter().enumerate() {
+            if listing.leaf == 0 {
+                return Err(ValidationError::NotListed { triangle });
+            }
+            // Boxes are convex, and those of ancestors enclose those of leaves: a triangle that is listed once lies wholly in its leaf's box.
+            if listing.corners != ALL_CORNERS {
+                let corner = listing.corners.trailing_ones() as usize;
+                return Err(ValidationError::NotCovered { triangle, corner });
+            }
+        }
+        let (found, stated) = (self.depth, self.layout.depth);
         if found > MAX_DEPTH || found != stated {
             return Err(ValidationError::Depth {
                 found,
@@ -222,23 +234,12 @@ impl<'a> Validation<'a> {
                 limit: MAX_DEPTH,
             });
         }
+        let (needed, stated) = (self.stack_size, self.layout.stack_size);
+        if needed > stated {
+            return Err(ValidationError::StackSize { needed, stated });
+        }
         Ok(())
     }
-}
-
-fn check_enclosed(
-    number: usize,
-    node: &Node,
-    inside: &Aabb,
-    content: Content,
-) -> Result<(), ValidationError> {
-    if inside.is_empty() || !node.bounds().contains_box(inside) {
-        return Err(ValidationError::NotEnclosed {
-            node: number,
-            content,
-        });
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -1,23 +1,27 @@
 //! Box tests of one operation per plane that never lose a hit.
 //!
-//! The second way of [`conservative_ray`](crate::ConservativeRay), for nodes whose planes come in vectors: a plane at `p` is met at `p r + c`, with `r` the
+//! The second way of [`ConservativeRay`](crate::ConservativeRay), for nodes whose planes come in vectors: a plane at `p` is met at `p r + c`, with `r` the
 //! reciprocal of the direction and `c = -(o + s) r` for near planes, `c = -(o - s) r` for far planes, where `s` shifts the origin in the direction of the ray.
-//! It takes one operation instead of two and one constant less, and its errors, unlike those of the first way, do not shrink with the distance
-//! of the plane: they are those of the coordinates themselves.
+//! It takes one operation instead of two, and has an error that the first way does not have: it is relative to the coordinates of the origin, and does not
+//! shrink with the distance of the plane. Nothing here but the largest component of the direction needs more than one axis, so the way from
+//! a ray to its first node is short.
 //!
-//! **The shift.** Let `u = 2^-24` and `B` be the largest coordinate of the bounds. The sum `p r + c` has the relative error of `r`, which
-//! is one rounding of the direction's reciprocal, and its own rounding: `2 u |p - o| |r|` together. The product, where it is not fused, is off by
-//! `u |p r|`, and `c` by two roundings, `2 u |o r|`. With `|p| <= B` these are below `u (3 B + 4 |o|) |r|`: less than a
-//! shift of the origin by `u (4 B + 8 |o|)` makes up for. The reach of a kernel is added to it. Nothing here needs more than one axis, so the way from a ray to its first node is
-//! short.
+//! **Relative errors.** Let `u = 2^-24`. As there, `r` is the reciprocal of the direction times `1 - 8 u` for near planes and `1 + 8 u` for far planes, off by
+//! two roundings more. What is computed has the rounding of the sum, which is relative to the result; that of the product, where
+//! it is not fused, `u |p r|`; and the two of `c`, `2 u |o + s| |r|`. With `|p| <= |p - o| + |o|` these are `u` of the result once more, and
+//! `3 u |o r|`, less than a shift of the origin by `4 u |o|` makes up for. So a plane ahead of the origin is off by four roundings of the result, which the
+//! factor of `r` makes up for, however large the structure is and wherever in it the plane. A plane behind the origin stays there.
 //!
-//! **Directions along a plane.** Components below `2^-94` are replaced by that size with their sign. With a largest component `d` of at least `2^-30` and an origin within
-//! `2^40 B`, this moves the ray by at most `2^-64 (B + |o|) < 2^-23 B` inside the bounds, less than the shift. Divided by `2^-94` the shift
-//! is more than the ray's way through the bounds, `2^41 B / d`: a ray in the face of a box is in the slab for every `t` that counts.
+//! **More shifts** are the reach of a kernel; for rays with a negative `t_min`, where the factors of `r` work the wrong way, `16 u M` with `M` the
+//! largest coordinate difference between the origin and the bounds, as there; and `2^-30 B`, with `B` the largest coordinate of the bounds.
 //!
-//! **Extremes.** For directions outside `[2^-30, 2^30]`, origins beyond `2^40 B` and a `B` outside `[2^-60, 2^60]`, `c` is infinite and nothing is culled, every answer
-//! stays right. Inside, what underflows is below `2^-148`, and divided by `r` below `2^-118`, which the shift covers. A product that overflows gives NaN, which the
-//! vector maxima and minima drop.
+//! **Directions along a plane.** Components below `2^-84` are replaced by that size with their sign. With a largest component `d` of at least `2^-30` and an origin within
+//! `2^22 B`, the way through the bounds ends before `2^23 B / d <= 2^53 B`. That moves the ray by at most `2^-31 B`, less than the last shift. Divided by `2^-84` that
+//! shift is `2^54 B`, more than this way: a ray in the face of a box is in the slab for every `t` that counts.
+//!
+//! **Extremes.** For directions outside `[2^-30, 2^30]`, a `B` below `2^-60`, origins beyond `2^22 B` and differences beyond `2^42`, `c` is infinite and nothing is culled, every answer
+//! stays right: a product that overflows then gives NaN, if anything, which the vector maxima and minima drop. Inside, products and `c` are below `2^127`: if
+//! one of them overflowed and the other one did not, hits would be lost. What underflows is below `2^-148`, and divided by `r` below `2^-118`, which the last shift covers.
 
 use std::ops::RangeInclusive;
 
@@ -30,26 +34,43 @@ use crate::{Aabb, Ray, kernel};
 pub struct FusedRay {
     /// Reciprocal of the direction, with zero clamped to a signed power of two.
     pub reciprocal: Vec4,
-    /// What is added for the planes that the ray meets first.
-    pub near: Vec4,
-    /// What is added for the planes that the ray meets last.
-    pub far: Vec4,
+    /// What the places of the planes that the ray meets first are computed with.
+    pub near: FusedSlabs,
+    /// What the places of the planes that the ray meets last are computed with.
+    pub far: FusedSlabs,
     /// Whether the direction is negative: bit `i` for axis `i`. Set for -0.0.
     pub negative: u32,
     /// No coordinate differs more between the origin and the bounds.
     pub farthest: f32,
 }
 
+/// What the `t` of near planes, or of far planes, is computed with: `position * reciprocal + offset` on each axis.
+#[derive(Clone, Copy, Debug)]
+pub struct FusedSlabs {
+    /// The reciprocal of the direction, a little smaller for near planes and larger for far planes.
+    pub reciprocal: Vec4,
+    /// Where the plane through zero is met, for an origin that is shifted forward for near planes and backward for far planes.
+    pub offset: Vec4,
+}
+
+/// How much reciprocals are smaller or larger than they are.
+const RELATIVE_WIDENING: f32 = 8.0 / (1u32 << 24) as f32;
 /// Direction components are kept above this.
-const SMALLEST_COMPONENT: f32 = 1.0 / (1u128 << 94) as f32;
-/// The shift of the origin, relative to the sizes of the bounds.
+const SMALLEST_COMPONENT: f32 = 1.0 / (1u128 << 84) as f32;
+/// The shift of the origin relative to its coordinates; also more than the roundings of the other shifts.
 const SHIFT: f32 = 4.0 / (1u32 << 24) as f32;
+/// The shift of the origin relative to the size of the bounds.
+const SHIFT_OF_SIZE: f32 = 1.0 / (1u32 << 30) as f32;
+/// The shift of the origin for a negative `t_min`, relative to the largest distance.
+const SHIFT_BEHIND: f32 = 2.0 * RELATIVE_WIDENING;
 /// The size of the largest direction component with which boxes are culled.
 const DIRECTIONS: RangeInclusive<f32> = 1.0 / (1u64 << 30) as f32..=(1u64 << 30) as f32;
-/// The sizes of bounds with which boxes are culled.
-const SIZES: RangeInclusive<f32> = 1.0 / (1u64 << 60) as f32..=(1u64 << 60) as f32;
-/// The largest origin with which boxes are culled, in sizes of the bounds.
-const FARTHEST_ORIGIN: f32 = (1u64 << 40) as f32;
+/// The smallest size of bounds with which boxes are culled.
+const SMALLEST_SIZE: f32 = 1.0 / (1u64 << 60) as f32;
+/// The largest distance with which boxes are culled.
+const FARTHEST: f32 = (1u64 << 42) as f32;
+/// The same in sizes of the bounds.
+const FARTHEST_IN_SIZES: f32 = (1u64 << 22) as f32;
 
 /// The largest magnitude of a coordinate of a box that is not empty: what [`FusedRay::new`] wants to know of a structure.
 #[must_use]
@@ -72,7 +93,7 @@ impl FusedRay {
             .copysign(direction)
             .recip();
         let farthest = (size + origin.abs().max_element()) * (1.0 + SHIFT);
-        let mut shift = origin.abs() * (2.0 * SHIFT) + Vec4::splat(size * SHIFT);
+        let mut shift = size * SHIFT_OF_SIZE;
         if reach > 0.0 {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -81,20 +102,34 @@ impl FusedRay {
             let reach = kernel::reach(reach, f64::from(farthest)) as f32;
             shift += reach * (1.0 + SHIFT);
         }
+        if ray.t_min < 0.0 {
+            shift += SHIFT_BEHIND * farthest;
+        }
         // What is not in these ranges, NaN included, culls nothing.
         let culls = DIRECTIONS.contains(&magnitudes.max_element())
-            && SIZES.contains(&size)
-            && farthest <= size * FARTHEST_ORIGIN;
+            && size >= SMALLEST_SIZE
+            && farthest <= FARTHEST
+            && farthest <= size * FARTHEST_IN_SIZES;
         if !culls {
-            shift = Vec4::INFINITY;
+            shift = f32::INFINITY;
         }
-        let shift = shift.copysign(direction);
+        let shift = (origin.abs() * SHIFT + Vec4::splat(shift)).copysign(direction);
         Self {
             reciprocal,
-            near: -(origin + shift) * reciprocal,
-            far: -(origin - shift) * reciprocal,
+            near: FusedSlabs::new(origin + shift, reciprocal * (1.0 - RELATIVE_WIDENING)),
+            far: FusedSlabs::new(origin - shift, reciprocal * (1.0 + RELATIVE_WIDENING)),
             negative: direction.is_negative_bitmask() & 7,
             farthest,
+        }
+    }
+}
+
+impl FusedSlabs {
+    #[inline(always)]
+    fn new(origin: Vec4, reciprocal: Vec4) -> Self {
+        Self {
+            reciprocal,
+            offset: -origin * reciprocal,
         }
     }
 }

@@ -97,7 +97,7 @@ pub use axis::Axis;
 pub use brute_force::BruteForce;
 pub use clipped_triangle::{ClippedTriangle, ClippedVertex};
 pub use conservative_ray::{ConservativeRay, Interval, Slabs};
-pub use fused_ray::{FusedRay, size_of_bounds};
+pub use fused_ray::{FusedRay, FusedSlabs, size_of_bounds};
 pub use glam;
 pub use kernel::{
     BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop,

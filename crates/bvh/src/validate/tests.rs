@@ -1,150 +1,229 @@
-use tahko_geometry::{Aabb, TriangleMesh, glam::Vec3};
+use tahko_geometry::glam::Vec3;
+use tahko_geometry::test_support::soup;
+use tahko_geometry::{Triangle, TriangleBlock, TriangleMesh};
 
 use super::*;
 use crate::BvhOptions;
-use crate::node::Siblings;
+use crate::wide::WideNode;
 
-/// A tree over four separate triangles with one triangle per leaf: seven nodes.
-fn layout() -> Bvh2 {
-    let vertices = (0u8..4).flat_map(|i| {
+/// Separate triangles in a row, one per leaf.
+fn mesh(count: u8) -> TriangleMesh {
+    let triangles = (0..count).map(|i| {
         let corner = Vec3::X * 4.0 * f32::from(i);
         [corner, corner + Vec3::X, corner + Vec3::Y]
     });
-    let indices = vec![[0, 1, 2], [3, 4, 5], [6, 7, 8], [9, 10, 11]];
-    let mesh = TriangleMesh::new(vertices.collect(), indices).expect("finite vertices");
-    let options = BvhOptions::default().with_max_leaf_size(1);
-    let bvh = Bvh::build(&mesh, &options).expect("options in range");
-    assert_eq!(bvh.node_count(), 7);
+    soup(triangles.collect())
+}
+
+fn layout(count: u8) -> WideBvh {
+    let options = BvhOptions::default()
+        .with_max_leaf_size(1)
+        .with_costs(0.1, 1.0);
+    let bvh = Bvh::build(&mesh(count), &options).expect("options in range");
     bvh.layout().clone()
 }
 
-fn fault(break_it: impl FnOnce(&mut Bvh2)) -> ValidationError {
-    let mut layout = layout();
-    break_it(&mut layout);
-    Validation::new(&layout)
-        .run()
-        .expect_err("the tree is broken")
+/// A tree of a root with four leaves: blocks 1 to 4.
+fn small() -> WideBvh {
+    let layout = layout(4);
+    assert_eq!((layout.nodes.len(), layout.blocks.len()), (1, 5));
+    layout
 }
 
-fn leaf_of(layout: &mut Bvh2) -> &mut Node {
-    let nodes = layout.siblings.iter_mut().flat_map(|Siblings(pair)| pair);
-    nodes
-        .into_iter()
-        .find(|node| node.is_leaf())
-        .expect("a tree has leaves")
+fn validate(layout: &WideBvh) -> Result<(), ValidationError> {
+    Validation::new(layout).run()
+}
+
+fn fault(break_it: impl FnOnce(&mut WideBvh)) -> ValidationError {
+    let mut layout = small();
+    break_it(&mut layout);
+    validate(&layout).expect_err("the tree is broken")
+}
+
+fn set(node: &mut WideNode, lane: usize, change: impl FnOnce(&mut Aabb, &mut Child)) {
+    let (mut bounds, mut child) = node.children().nth(lane).expect("the lane is used");
+    change(&mut bounds, &mut child);
+    node.set(lane, &bounds, child);
+}
+
+/// The block of one triangle.
+fn block(number: u32, triangle: Triangle) -> TriangleBlock {
+    TriangleBlock::new([(number, triangle)])
 }
 
 #[test]
-fn a_tree_as_built_is_well_formed() {
-    assert_eq!(Validation::new(&layout()).run(), Ok(()));
+fn trees_as_built_are_well_formed() {
+    for count in [0, 1, 4, 60] {
+        assert_eq!(validate(&layout(count)), Ok(()), "{count} triangles");
+    }
 }
 
 #[test]
 fn a_missing_root_is_found() {
-    assert_eq!(fault(|tree| tree.root = None), ValidationError::NoRoot);
+    assert_eq!(
+        fault(|tree| tree.root = Child::NOTHING),
+        ValidationError::NoRoot
+    );
 }
 
 #[test]
-fn children_out_of_range_are_found() {
-    let error = fault(|tree| tree.root = Some(Node::inner(&tree.bounds(), 99)));
-    let expected = ValidationError::ChildrenOutOfRange {
-        node: 0,
-        index: 99,
-        count: 3,
-    };
-    assert_eq!(error, expected);
+fn triangles_in_the_place_of_missing_children_are_found() {
+    let expected = ValidationError::FirstBlockInUse;
+    assert_eq!(fault(|tree| tree.blocks[0] = tree.blocks[1]), expected);
+    assert_eq!(
+        fault(|tree| tree.blocks[0] = tree.blocks[0].continued()),
+        expected
+    );
+    assert_eq!(fault(|tree| tree.blocks.clear()), expected);
+}
+
+#[test]
+fn nodes_and_blocks_out_of_range_are_found() {
+    let error = fault(|tree| tree.root = Child::inner(99));
+    let (content, count) = (Content::Node(99), 1);
+    assert_eq!(error, ValidationError::OutOfRange { content, count });
+    let error = fault(|tree| tree.root = Child::leaf(5));
+    let (content, count) = (Content::Leaf(5), 5);
+    assert_eq!(error, ValidationError::OutOfRange { content, count });
+    let error = fault(|tree| tree.blocks[4] = tree.blocks[4].continued());
+    assert_eq!(error, ValidationError::OutOfRange { content, count });
 }
 
 #[test]
 fn a_loop_is_found_and_ends() {
     let error = fault(|tree| {
-        let bounds = tree.bounds();
-        let pair = &mut tree.siblings[0].0;
-        pair[1] = Node::inner(&bounds, 0);
+        let bounds = tree.bounds;
+        tree.nodes[0].set(3, &bounds, Child::inner(0));
     });
-    assert_eq!(error, ValidationError::ReachedTwice { node: 1 });
+    let content = Content::Node(0);
+    assert_eq!(error, ValidationError::ReachedTwice { content });
 }
 
 #[test]
-fn nodes_that_nothing_reaches_are_found() {
-    let error = fault(|tree| tree.siblings.push(tree.siblings[0]));
-    assert_eq!(error, ValidationError::NotReached { node: 7 });
-}
-
-#[test]
-fn leaves_out_of_range_are_found() {
+fn a_leaf_of_two_nodes_is_found() {
     let error = fault(|tree| {
-        let leaf = leaf_of(tree);
-        *leaf = Node::leaf(&leaf.bounds(), 3, 2);
+        let bounds = tree.bounds;
+        let (_, first) = tree.nodes[0].children().next().expect("four children");
+        tree.nodes[0].set(4, &bounds, first);
     });
     assert!(
-        matches!(
-            error,
-            ValidationError::TrianglesOutOfRange {
-                end: 5,
-                count: 4,
-                ..
-            }
-        ),
+        matches!(error, ValidationError::ReachedTwice { content } if content != Content::Node(0)),
         "{error}"
     );
+}
+
+#[test]
+fn nodes_and_blocks_that_nothing_reaches_are_found() {
+    let error = fault(|tree| tree.nodes.push(tree.nodes[0]));
+    let content = Content::Node(1);
+    assert_eq!(error, ValidationError::NotReached { content });
+    let error = fault(|tree| tree.blocks.push(tree.blocks[1]));
+    let content = Content::Leaf(5);
+    assert_eq!(error, ValidationError::NotReached { content });
+}
+
+#[test]
+fn a_leaf_without_triangles_is_found() {
+    let error = fault(|tree| tree.blocks[2] = TriangleBlock::EMPTY);
+    assert_eq!(error, ValidationError::EmptyBlock { block: 2 });
 }
 
 #[test]
 fn a_box_that_is_too_small_is_found() {
-    let error = fault(|tree| {
-        let leaf = leaf_of(tree);
-        let Aabb { min, max } = leaf.bounds();
-        let small = Aabb::new(min, max - Vec3::X * 0.5);
-        let first = u32::try_from(leaf.first()).expect("one of four triangles");
-        *leaf = Node::leaf(&small, first, 1);
-    });
+    let error = fault(|tree| tree.bounds.max *= 0.5);
     assert!(
-        matches!(
-            error,
-            ValidationError::NotEnclosed {
-                content: Content::Triangle(_),
-                ..
-            }
-        ),
+        matches!(error, ValidationError::NotEnclosed { node: 0, .. }),
         "{error}"
     );
     let error = fault(|tree| {
-        let Aabb { min, max } = tree.bounds();
-        tree.root = Some(Node::inner(&Aabb::new(min, 0.5 * max), 0));
+        set(&mut tree.nodes[0], 0, |bounds, _| bounds.max.x -= 0.5);
     });
     assert!(
-        matches!(
-            error,
-            ValidationError::NotEnclosed {
-                node: 0,
-                content: Content::Node(_)
-            }
-        ),
+        matches!(error, ValidationError::NotCovered { corner: 1, .. }),
         "{error}"
     );
+    let error = fault(|tree| {
+        set(&mut tree.nodes[0], 0, |bounds, _| {
+            bounds.min.y = 2.0;
+            bounds.max.y = 1.0;
+        });
+    });
+    assert!(
+        matches!(error, ValidationError::NotEnclosed { node: 0, .. }),
+        "an empty box: {error}"
+    );
+}
+
+#[test]
+fn a_leaf_that_has_nothing_of_a_triangle_is_found() {
+    let error = fault(|tree| {
+        let [first, second] = [1, 2].map(|block| tree.blocks[block].triangle(0));
+        let [a, b] = [1, 2].map(|block| tree.blocks[block].number(0).expect("used"));
+        tree.blocks[1] = block(b, second);
+        tree.blocks[2] = block(a, first);
+    });
+    assert!(matches!(error, ValidationError::NotMet { .. }), "{error}");
 }
 
 #[test]
 fn a_triangle_that_is_lost_or_listed_twice_or_unknown_is_found() {
     let error = fault(|tree| {
-        let twin = tree.triangles[0];
-        tree.triangles[0].number = tree.triangles[1].number;
-        assert_ne!(twin.number, tree.triangles[0].number);
+        let triangle = tree.blocks[1].triangle(0);
+        let number = tree.blocks[2].number(0).expect("used");
+        tree.blocks[1] = block(number, triangle);
+    });
+    assert!(matches!(error, ValidationError::Differs { .. }), "{error}");
+    let error = fault(|tree| {
+        let triangle = tree.blocks[2].triangle(0);
+        tree.blocks[2] = block(4, triangle);
+    });
+    let expected = ValidationError::NoSuchTriangle {
+        leaf: 2,
+        triangle: 4,
+        count: 4,
+    };
+    assert_eq!(error, expected);
+    let error = fault(|tree| {
+        let (number, triangle) = tree.blocks[2].triangles().next().expect("used");
+        tree.blocks[2] = TriangleBlock::new([(number, triangle); 2]);
     });
     assert!(
-        matches!(error, ValidationError::NotListedOnce { .. }),
+        matches!(error, ValidationError::ListedTwice { leaf: 2, .. }),
         "{error}"
     );
-    let error = fault(|tree| tree.triangles[2].number = 4);
-    assert!(
-        matches!(error, ValidationError::NoSuchTriangle { triangle: 4, .. }),
-        "{error}"
-    );
+    let error = fault(|tree| tree.triangle_count = 5);
+    assert_eq!(error, ValidationError::NotListed { triangle: 4 });
+}
+
+/// A root with two leaves that both list one triangle, each with a box of a part of it.
+fn split_triangle([first, second]: [Aabb; 2]) -> WideBvh {
+    let mut layout = small();
+    let triangle = Triangle::new(Vec3::ZERO, Vec3::X * 4.0, Vec3::new(1.0, 1.0, 0.0));
+    layout.nodes[0] = WideNode::EMPTY;
+    layout.nodes[0].set(0, &first, Child::leaf(1));
+    layout.nodes[0].set(1, &second, Child::leaf(2));
+    layout.bounds = triangle.aabb();
+    layout.blocks.truncate(1);
+    layout.blocks.extend([block(0, triangle); 2]);
+    layout.triangle_count = 1;
+    layout
 }
 
 #[test]
-fn a_wrong_depth_is_found() {
+fn leaves_may_share_a_triangle_that_they_cover_together() {
+    let cut = |from: f32, to: f32| Aabb::new(Vec3::X * from, Vec3::new(to, 1.0, 0.0));
+    let covered = split_triangle([cut(0.0, 2.0), cut(2.0, 4.0)]);
+    assert_eq!(validate(&covered), Ok(()));
+    let error = validate(&split_triangle([cut(0.0, 2.0), cut(2.0, 3.0)]));
+    let (triangle, corner) = (0, 1);
+    assert_eq!(error, Err(ValidationError::NotCovered { triangle, corner }));
+}
+
+#[test]
+fn a_wrong_depth_and_a_small_stack_are_found() {
     let error = fault(|tree| tree.depth += 1);
     assert!(matches!(error, ValidationError::Depth { .. }), "{error}");
+    let error = fault(|tree| tree.stack_size = LANES - 1);
+    let (needed, stated) = (LANES, LANES - 1);
+    assert_eq!(error, ValidationError::StackSize { needed, stated });
 }

@@ -2,30 +2,36 @@
 //!
 //! Source: Ylitie, Karras, Laine, "Efficient incoherent ray traversal on GPUs through compressed wide BVHs", 2017, section 3.1. For every node
 //! and every `k`, the least cost of its subtree as a forest of at most `k` trees is the least over all ways to share `k` among its children.
-//! A tree is a leaf, or a node over the best forest of eight. Costs are summed in units of the area of a box, so nothing is divided by
-//! an area that may be zero.
+//! A tree is a leaf, or a node over the best forest of eight. Areas count as parts of the root's, so that sums are in the range of f32 however
+//! large the scene is; where the root has none, all trees cost the same.
 
+use tahko_geometry::Aabb;
 use tahko_geometry::simd::LANES;
 
 use crate::BvhOptions;
 use crate::build::{BinaryTree, Link};
 
-/// What queries pay.
+/// What queries pay, in units of a block of up to eight triangles.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Costs {
     /// For a node with up to eight children.
-    pub(crate) node: f64,
-    /// For a block of up to eight triangles.
-    pub(crate) block: f64,
+    pub(crate) node: f32,
     /// The most triangles in a leaf that is not one in the binary tree.
     pub(crate) max_leaf_size: usize,
 }
 
+/// Nodes do not count as dearer than this: sums stay finite.
+const DEAREST_NODE: f64 = 1e20;
+
 impl Costs {
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "costs steer, and decide nothing else"
+    )]
     pub(crate) fn new(options: &BvhOptions) -> Self {
+        let node = options.traversal_cost / options.intersection_cost;
         Self {
-            node: options.traversal_cost,
-            block: options.intersection_cost,
+            node: node.min(DEAREST_NODE) as f32,
             max_leaf_size: options.max_leaf_size,
         }
     }
@@ -63,16 +69,13 @@ impl Collapse {
             is_leaf: true,
         };
         let mut nodes = vec![unused; tree.node_count()];
+        let relative_area = relative_area(tree);
         // Children have larger indices.
         for index in (0..nodes.len()).rev() {
             let (bounds, link) = tree.node(index);
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "costs steer, and decide nothing else"
-            )]
-            let area = bounds.half_area() as f32;
+            let area = relative_area(&bounds);
             nodes[index] = match link {
-                Link::Leaf { count, .. } => Subtree::leaf(area, count, costs),
+                Link::Leaf { count, .. } => Subtree::leaf(area, count),
                 Link::Inner(children) => {
                     let [first, second] = children.map(|child| nodes[child]);
                     Subtree::inner(area, &first, &second, costs)
@@ -142,10 +145,10 @@ fn best_share(first: &Subtree, second: &Subtree, k: usize) -> (usize, f32) {
 }
 
 impl Subtree {
-    fn leaf(area: f32, count: usize, costs: &Costs) -> Self {
+    fn leaf(area: f32, count: usize) -> Self {
         let count = u32::try_from(count).unwrap_or(u32::MAX);
         Self {
-            forest: [leaf_cost(area, count, costs); LANES - 1],
+            forest: [leaf_cost(area, count); LANES - 1],
             count,
             is_leaf: true,
         }
@@ -154,13 +157,9 @@ impl Subtree {
     fn inner(area: f32, first: &Self, second: &Self, costs: &Costs) -> Self {
         let count = first.count.saturating_add(second.count);
         let (_, below) = best_share(first, second, LANES);
-        #[expect(
-            clippy::cast_possible_truncation,
-            reason = "costs steer, and decide nothing else"
-        )]
-        let inner = area * costs.node as f32 + below;
+        let inner = area * costs.node + below;
         let leaf = if count as usize <= costs.max_leaf_size {
-            leaf_cost(area, count, costs)
+            leaf_cost(area, count)
         } else {
             f32::INFINITY
         };
@@ -176,11 +175,25 @@ impl Subtree {
     }
 }
 
-fn leaf_cost(area: f32, count: u32, costs: &Costs) -> f32 {
+fn leaf_cost(area: f32, count: u32) -> f32 {
+    area * count.div_ceil(LANES as u32) as f32
+}
+
+/// Areas of boxes in a tree as parts of that of its root.
+fn relative_area(tree: &BinaryTree) -> impl Fn(&Aabb) -> f32 {
+    let root_area = if tree.is_empty() {
+        0.0
+    } else {
+        tree.node(0).0.half_area()
+    };
+    let scale = if root_area > 0.0 {
+        1.0 / root_area
+    } else {
+        0.0
+    };
     #[expect(
         clippy::cast_possible_truncation,
         reason = "costs steer, and decide nothing else"
     )]
-    let block = costs.block as f32;
-    area * block * count.div_ceil(LANES as u32) as f32
+    move |bounds| (bounds.half_area() * scale) as f32
 }

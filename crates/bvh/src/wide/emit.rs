@@ -100,7 +100,8 @@ impl Emitter<'_> {
             children.clear();
             collapse.children(self.tree, next.source, &mut children);
             let depth = next.depth + 1;
-            let waiting = next.waiting + children.len() - 1;
+            // Where a ray may cull nothing, it enters unused lanes as well.
+            let waiting = next.waiting + LANES - 1;
             layout.depth = layout.depth.max(depth);
             layout.stack_size = layout.stack_size.max(waiting + 1);
             let mut node = WideNode::EMPTY;

@@ -14,7 +14,7 @@ use tahko_geometry::glam::Vec4;
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Simd, WithSimd};
 use tahko_geometry::{
-    FusedRay, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleBlock,
+    FusedRay, FusedSlabs, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleBlock,
     TriangleKernel, test_block,
 };
 
@@ -96,11 +96,26 @@ struct Traversal<'a, K, H, C> {
 /// What the boxes of nodes are tested with.
 struct Slabs<S: Simd> {
     simd: S,
-    reciprocal: [S::F32s; 3],
-    near: [S::F32s; 3],
-    far: [S::F32s; 3],
+    near: Planes<S>,
+    far: Planes<S>,
     negative: [bool; 3],
     t_min: S::F32s,
+}
+
+/// What near planes, or far planes, are tested with.
+struct Planes<S: Simd> {
+    reciprocal: [S::F32s; 3],
+    offset: [S::F32s; 3],
+}
+
+impl<S: Simd> Planes<S> {
+    #[inline(always)]
+    fn new(simd: S, slabs: &FusedSlabs) -> Self {
+        Self {
+            reciprocal: splat(simd, slabs.reciprocal),
+            offset: splat(simd, slabs.offset),
+        }
+    }
 }
 
 impl<S: Simd> Slabs<S> {
@@ -108,9 +123,8 @@ impl<S: Simd> Slabs<S> {
     fn new(simd: S, ray: &FusedRay, t_min: f32) -> Self {
         Self {
             simd,
-            reciprocal: splat(simd, ray.reciprocal),
-            near: splat(simd, ray.near),
-            far: splat(simd, ray.far),
+            near: Planes::new(simd, &ray.near),
+            far: Planes::new(simd, &ray.far),
             negative: [1, 2, 4].map(|bit| ray.negative & bit != 0),
             // Entries are ordered as integers: no negative zero.
             t_min: simd.splat(t_min + 0.0),
@@ -138,11 +152,11 @@ impl<S: Simd> Slabs<S> {
         let far = self
             .simd
             .load(&node.bounds[axis][usize::from(!is_negative)]);
-        let reciprocal = self.reciprocal[axis];
-        (
-            self.simd.mul_add(near, reciprocal, self.near[axis]),
-            self.simd.mul_add(far, reciprocal, self.far[axis]),
-        )
+        let t = |planes: &Planes<S>, places: S::F32s| {
+            self.simd
+                .mul_add(places, planes.reciprocal[axis], planes.offset[axis])
+        };
+        (t(&self.near, near), t(&self.far, far))
     }
 }
 
