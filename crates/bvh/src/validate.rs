@@ -54,7 +54,7 @@ pub enum ValidationError {
     NotEnclosed {
         /// Number of the node.
         node: usize,
-        /// The child or triangle that sticks out.
+        /// The child that sticks out.
         content: Content,
     },
     /// A triangle number is not below the number of triangles.
@@ -67,9 +67,15 @@ pub enum ValidationError {
         /// The number of triangles.
         count: usize,
     },
-    /// A triangle is listed in no leaf, or more than once.
-    #[error("triangle {triangle} is listed {times} times, and not once")]
-    NotListedOnce {
+    /// A triangle is listed in no leaf.
+    #[error("triangle {triangle} is not listed")]
+    NotListed {
+        /// Number of the triangle.
+        triangle: usize,
+    },
+    /// The boxes of the leaves that list a triangle do not enclose it together.
+    #[error("the {times} leaves that list triangle {triangle} do not enclose it")]
+    NotCovered {
         /// Number of the triangle.
         triangle: usize,
         /// How often it is listed.
@@ -93,22 +99,20 @@ pub enum ValidationError {
 pub enum Content {
     /// The node with a number.
     Node(usize),
-    /// The triangle with a number.
-    Triangle(usize),
 }
 
 impl std::fmt::Display for Content {
     fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Node(number) => write!(formatter, "node {number}"),
-            Self::Triangle(number) => write!(formatter, "triangle {number}"),
         }
     }
 }
 
 impl Bvh {
     /// Checks that the tree is well formed: indices in range, every node reached once, boxes that enclose their
-    /// content, every triangle in one leaf, a depth that traversal can manage. Trees from [`build`](Self::build) are.
+    /// content, every triangle in a leaf that encloses it or in several that enclose it together, a depth that traversal can manage. Trees
+    /// from [`build`](Self::build) are.
     ///
     /// Cost: O(n).
     ///
@@ -123,6 +127,8 @@ struct Validation<'a> {
     layout: &'a Bvh2,
     siblings_reached: Vec<bool>,
     times_listed: Vec<u32>,
+    /// The box around the leaves that list a triangle.
+    leaves_around: Vec<Aabb>,
 }
 
 impl<'a> Validation<'a> {
@@ -131,6 +137,7 @@ impl<'a> Validation<'a> {
             layout,
             siblings_reached: vec![false; layout.siblings.len()],
             times_listed: vec![0; layout.triangles.len()],
+            leaves_around: vec![Aabb::EMPTY; layout.triangles.len()],
         }
     }
 
@@ -188,11 +195,7 @@ impl<'a> Validation<'a> {
             end,
             count,
         })?;
-        for LeafTriangle {
-            triangle,
-            number: listed,
-        } in triangles
-        {
+        for LeafTriangle { number: listed, .. } in triangles {
             let listed = *listed as usize;
             let times = self.times_listed.get_mut(listed);
             *times.ok_or(ValidationError::NoSuchTriangle {
@@ -200,7 +203,7 @@ impl<'a> Validation<'a> {
                 triangle: listed,
                 count,
             })? += 1;
-            check_enclosed(number, node, &triangle.aabb(), Content::Triangle(listed))?;
+            self.leaves_around[listed] = self.leaves_around[listed].union(node.bounds());
         }
         Ok(())
     }
@@ -210,9 +213,24 @@ impl<'a> Validation<'a> {
             let node = 2 * index + 1;
             return Err(ValidationError::NotReached { node });
         }
-        if let Some(triangle) = self.times_listed.iter().position(|times| *times != 1) {
-            let times = self.times_listed[triangle];
-            return Err(ValidationError::NotListedOnce { triangle, times });
+        let numbers = self
+            .layout
+            .triangles
+            .iter()
+            .map(|leaf| leaf.number as usize);
+        let count = numbers.max().map_or(0, |largest| largest + 1);
+        let mut times = self.times_listed.iter().take(count);
+        if let Some(triangle) = times.position(|times| *times == 0) {
+            return Err(ValidationError::NotListed { triangle });
+        }
+        for LeafTriangle { triangle, number } in &self.layout.triangles {
+            let number = *number as usize;
+            if !self.leaves_around[number].contains_box(&triangle.aabb()) {
+                return Err(ValidationError::NotCovered {
+                    triangle: number,
+                    times: self.times_listed[number],
+                });
+            }
         }
         let stated = self.layout.depth;
         if found > MAX_DEPTH || found != stated {

@@ -204,7 +204,12 @@ fn degenerate_meshes_build_with_every_preset() {
         ] {
             let bvh = build(&mesh, &options);
             assert_eq!(bvh.validate(), Ok(()), "{name}");
-            assert_eq!(bvh.statistics().references, mesh.len(), "{name}");
+            let references = bvh.statistics().references;
+            let most = mesh.len() as f64 * options.spatial_split_budget;
+            assert!(
+                references >= mesh.len() && references as f64 <= most,
+                "{name}"
+            );
         }
     }
 }
@@ -227,6 +232,10 @@ fn options_out_of_range_are_refused() {
             matches!(error, BuildError::OutOfRange { option: named, .. } if named == option),
             "{error}"
         );
+    }
+    for budget in [0.99, 2.01, f64::NAN] {
+        let error = error(&good.clone().with_spatial_split_budget(budget));
+        assert!(matches!(error, BuildError::InvalidBudget { .. }), "{error}");
     }
     for cost in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = error(&good.clone().with_costs(cost, 1.0));
