@@ -113,7 +113,7 @@ mod tests {
         for (options, expected) in [
             (BvhOptions::fast(), 0x54eb_0616_aaa3_4adb),
             (BvhOptions::balanced(), 0x0217_965d_5a70_e8d9),
-            (BvhOptions::high_quality(), 0x73ce_924b_48a1_7647),
+            (BvhOptions::high_quality(), 0x1246_ea41_2666_7fea),
         ] {
             let bvh = Bvh::build(&mesh, &options).expect("options in range");
             let found = fingerprint(bvh.layout());

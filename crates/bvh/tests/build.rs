@@ -66,7 +66,8 @@ fn coincident_centroids_give_a_tree_of_logarithmic_depth() {
 
 #[test]
 fn nested_triangles_do_not_lead_below_the_greatest_depth() {
-    for options in [BvhOptions::fast(), BvhOptions::high_quality()] {
+    let improved = BvhOptions::fast().with_reinsertion_rounds(64);
+    for options in [BvhOptions::fast(), BvhOptions::high_quality(), improved] {
         for ratio in [0.5, 0.25] {
             // Binning 120 halvings would be deeper than 64 if nothing stopped it.
             let mesh = nested(120, ratio);
@@ -224,6 +225,10 @@ fn options_out_of_range_are_refused() {
         ("bins", good.clone().with_bins(1)),
         ("bins", good.clone().with_bins(65)),
         ("sweep_size", good.clone().with_sweep_size(257)),
+        (
+            "reinsertion_rounds",
+            good.clone().with_reinsertion_rounds(65),
+        ),
         ("max_leaf_size", good.clone().with_max_leaf_size(0)),
         ("max_leaf_size", good.clone().with_max_leaf_size(256)),
     ] {

@@ -6,6 +6,7 @@
 
 mod binned;
 mod reference;
+mod reinsertion;
 mod spatial;
 mod split;
 mod sweep;
@@ -57,6 +58,12 @@ impl BinaryTree {
     ///
     /// Cost: O(n log n) time, 128 bytes per triangle.
     pub(crate) fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Self {
+        let mut tree = Self::build_top_down(mesh, options);
+        reinsertion::improve(&mut tree, options.reinsertion_rounds);
+        tree
+    }
+
+    fn build_top_down(mesh: &TriangleMesh, options: &BvhOptions) -> Self {
         let mut references = collect(mesh.len(), |number| {
             #[expect(
                 clippy::cast_possible_truncation,

@@ -100,6 +100,12 @@ impl Bounds {
         }
     }
 
+    /// Whether two boxes have equal corners.
+    #[inline]
+    pub(super) fn equals(&self, other: &Self) -> bool {
+        self.lower.xyz() == other.lower.xyz() && self.upper.xyz() == other.upper.xyz()
+    }
+
     /// Whether the box contains no point.
     #[inline]
     pub(super) fn is_empty(&self) -> bool {
