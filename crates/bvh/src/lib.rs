@@ -2,7 +2,8 @@
 //!
 //! A BVH is a tree of boxes: each node's box encloses the triangles below it, and a ray visits only the nodes
 //! whose boxes it meets. Each triangle is listed once, so the memory is known before the build (70 to 105 bytes
-//! per triangle) and the build is short. It is the structure to start with; take the kd-tree where rays are many and the
+//! per triangle) and the build is short; spatial splits, which [`BvhOptions::high_quality`] allows, list some triangles more often
+//! for cheaper rays, within a budget. It is the structure to start with; take the kd-tree where rays are many and the
 //! scene is deep, the BSP tree where splitting planes should follow the polygons.
 //!
 //! ```

@@ -74,7 +74,8 @@ fn coincident_centroids_give_a_tree_of_logarithmic_depth() {
 
 #[test]
 fn nested_triangles_do_not_lead_below_the_greatest_depth() {
-    for options in [BvhOptions::fast(), BvhOptions::high_quality()] {
+    let improved = BvhOptions::fast().with_reinsertion_rounds(64);
+    for options in [BvhOptions::fast(), BvhOptions::high_quality(), improved] {
         for ratio in [0.5, 0.25] {
             // Binning 120 halvings would be deeper than 64 binary nodes if nothing stopped it.
             let mesh = nested(120, ratio);
@@ -216,7 +217,12 @@ fn degenerate_meshes_build_with_every_preset() {
         ] {
             let bvh = build(&mesh, &options);
             assert_eq!(bvh.validate(), Ok(()), "{name}");
-            assert_eq!(bvh.statistics().references, mesh.len(), "{name}");
+            let references = bvh.statistics().references;
+            let most = mesh.len() as f64 * options.spatial_split_budget;
+            assert!(
+                references >= mesh.len() && references as f64 <= most,
+                "{name}"
+            );
         }
     }
 }
@@ -231,6 +237,10 @@ fn options_out_of_range_are_refused() {
         ("bins", good.clone().with_bins(1)),
         ("bins", good.clone().with_bins(65)),
         ("sweep_size", good.clone().with_sweep_size(257)),
+        (
+            "reinsertion_rounds",
+            good.clone().with_reinsertion_rounds(65),
+        ),
         ("max_leaf_size", good.clone().with_max_leaf_size(0)),
         ("max_leaf_size", good.clone().with_max_leaf_size(256)),
     ] {
@@ -239,6 +249,10 @@ fn options_out_of_range_are_refused() {
             matches!(error, BuildError::OutOfRange { option: named, .. } if named == option),
             "{error}"
         );
+    }
+    for budget in [0.99, 2.01, f64::NAN] {
+        let error = error(&good.clone().with_spatial_split_budget(budget));
+        assert!(matches!(error, BuildError::InvalidBudget { .. }), "{error}");
     }
     for cost in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = error(&good.clone().with_costs(cost, 1.0));

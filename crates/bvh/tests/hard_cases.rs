@@ -32,6 +32,12 @@ fn structures() -> Vec<Structure> {
             BvhOptions::fast().with_bins(2).with_max_leaf_size(1),
         ),
         (
+            "spatial splits, single triangles",
+            BvhOptions::fast()
+                .with_spatial_split_budget(2.0)
+                .with_max_leaf_size(1),
+        ),
+        (
             "large leaves",
             BvhOptions::balanced()
                 .with_costs(50.0, 1.0)

@@ -27,6 +27,19 @@ fn all_options() -> Vec<(&'static str, BvhOptions)> {
                 .with_max_leaf_size(1),
         ),
         (
+            "spatial splits, single triangles",
+            BvhOptions::balanced()
+                .with_spatial_split_budget(2.0)
+                .with_max_leaf_size(1),
+        ),
+        (
+            "two bins, reinsertion",
+            BvhOptions::fast()
+                .with_bins(2)
+                .with_max_leaf_size(1)
+                .with_reinsertion_rounds(10),
+        ),
+        (
             "large leaves",
             BvhOptions::balanced()
                 .with_costs(50.0, 1.0)

@@ -6,6 +6,8 @@
 
 mod binned;
 mod reference;
+mod reinsertion;
+mod spatial;
 mod split;
 mod sweep;
 
@@ -56,6 +58,12 @@ impl BinaryTree {
     ///
     /// Cost: O(n log n) time, 128 bytes per triangle.
     pub(crate) fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Self {
+        let mut tree = Self::build_top_down(mesh, options);
+        reinsertion::improve(&mut tree, options.reinsertion_rounds);
+        tree
+    }
+
+    fn build_top_down(mesh: &TriangleMesh, options: &BvhOptions) -> Self {
         let mut references = collect(mesh.len(), |number| {
             #[expect(
                 clippy::cast_possible_truncation,
@@ -63,11 +71,10 @@ impl BinaryTree {
             )]
             Reference::new(&mesh.triangle(number), number as u32)
         });
-        let unused = BuildNode {
-            bounds: Aabb::EMPTY,
-            link: Link::Leaf { first: 0, count: 0 },
-        };
-        let mut nodes = vec![unused; (2 * mesh.len()).saturating_sub(1)];
+        if options.spatial_split_budget > 1.0 && !references.is_empty() {
+            return spatial::build(references, mesh, options);
+        }
+        let mut nodes = unused_nodes((2 * mesh.len()).saturating_sub(1));
         let mut inner_count = 0;
         if !references.is_empty() {
             let builder = Builder::new(&references, options);
@@ -95,6 +102,15 @@ impl BinaryTree {
     pub(crate) fn is_empty(&self) -> bool {
         self.references.is_empty()
     }
+}
+
+/// Nodes that no subtree has taken yet.
+fn unused_nodes(count: usize) -> Vec<BuildNode> {
+    let unused = BuildNode {
+        bounds: Aabb::EMPTY,
+        link: Link::Leaf { first: 0, count: 0 },
+    };
+    vec![unused; count]
 }
 
 struct Builder<'a> {

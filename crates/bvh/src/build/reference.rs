@@ -29,6 +29,22 @@ impl Reference {
         }
     }
 
+    /// A reference to the same triangle with another box.
+    pub(super) fn with_bounds(&self, bounds: &Bounds) -> Self {
+        Self {
+            lower: bounds.lower.xyz().extend(self.lower.w),
+            upper: bounds.upper.xyz().extend(self.upper.w),
+        }
+    }
+
+    #[inline]
+    pub(super) const fn bounds(&self) -> Bounds {
+        Bounds {
+            lower: self.lower,
+            upper: self.upper,
+        }
+    }
+
     /// The triangle's index in the mesh.
     pub(crate) fn number(&self) -> u32 {
         self.lower.w.to_bits() & !NUMBER_TAG
@@ -63,7 +79,7 @@ impl Bounds {
     }
 
     #[inline]
-    fn add_point(&mut self, point: Vec4) {
+    pub(super) fn add_point(&mut self, point: Vec4) {
         self.lower = self.lower.min(point);
         self.upper = self.upper.max(point);
     }
@@ -76,8 +92,32 @@ impl Bounds {
         }
     }
 
+    #[inline]
+    pub(super) fn intersection(self, other: Self) -> Self {
+        Self {
+            lower: self.lower.max(other.lower),
+            upper: self.upper.min(other.upper),
+        }
+    }
+
+    /// Whether two boxes have equal corners.
+    #[inline]
+    pub(super) fn equals(&self, other: &Self) -> bool {
+        self.lower.xyz() == other.lower.xyz() && self.upper.xyz() == other.upper.xyz()
+    }
+
+    /// Whether the box contains no point.
+    #[inline]
+    pub(super) fn is_empty(&self) -> bool {
+        !self.lower.xyz().cmple(self.upper.xyz()).all()
+    }
+
     pub(super) fn lower(&self) -> Vec4 {
         self.lower
+    }
+
+    pub(super) fn upper(&self) -> Vec4 {
+        self.upper
     }
 
     /// Edge lengths of a box that is not empty.
@@ -90,6 +130,20 @@ impl Bounds {
     pub(super) fn half_area(&self) -> f64 {
         let extent = self.upper.xyz().as_dvec3() - self.lower.xyz().as_dvec3();
         extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
+    }
+
+    pub(super) fn new(min: Vec3, max: Vec3) -> Self {
+        Self {
+            lower: min.extend(0.0),
+            upper: max.extend(0.0),
+        }
+    }
+
+    pub(super) fn from_aabb(bounds: &Aabb) -> Self {
+        Self {
+            lower: bounds.min.extend(0.0),
+            upper: bounds.max.extend(0.0),
+        }
     }
 
     pub(super) fn to_aabb(self) -> Aabb {

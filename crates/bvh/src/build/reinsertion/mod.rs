@@ -1,0 +1,81 @@
+//! Makes a finished tree cheaper by moving subtrees to places where they cost less.
+//!
+//! A subtree `X` is taken out, its sibling takes the place of their parent, and a new parent of `X` and some other node `Y` is put where `Y` was. The
+//! sum of the areas of all inner nodes, to which the expected cost of rays is proportional, falls by what [`search`] computes. In each round
+//! the nodes of the largest area look for their best places at the same time, in the tree as it stands. The moves are then made one by one, those that
+//! gain most first, unless an earlier move of the round has changed a node that they need.
+//!
+//! **What could go wrong, and does not.**
+//! - *A node becomes its own ancestor.* A search only offers nodes that are not below `X`, but an earlier move of the same round may have put `Y` there. So each
+//!   move walks up from `Y` and is dropped if it meets `X`.
+//! - *The root or a sibling.* Children of the root are not moved, as the root has no parent that could shrink. The sibling of `X` is not offered: the tree would not change.
+//! - *Depth.* The same walk gives the depth of `Y`, and nodes know the height of their subtrees: a move that would lead
+//!   below [`MAX_DEPTH`](super::MAX_DEPTH) is dropped.
+//! - *A gain that is out of date,* since an earlier move changed boxes on the way: it may be smaller than it was, or a loss. The next round sees the tree as it is.
+//!
+//! Searches only read, and the order of the moves is fixed by gain and then by index: the number of threads does not show in the tree. What the leaves
+//! list, with which boxes, does not change, so no hit can be lost.
+//!
+//! Source: Meister, Bittner, *Parallel reinsertion for bounding volume hierarchy optimization*, 2018, after Bittner, Hapala, Havran, *Fast insertion-based optimization of bounding volume
+//! hierarchies*, 2013. Differs in making the moves in order, with boxes kept up to date, instead of locking by atomic operations.
+
+mod pairs;
+mod search;
+
+use self::pairs::PairTree;
+use self::search::Move;
+use super::BinaryTree;
+use crate::parallel::collect_each;
+
+/// The part of the nodes that look for a better place in each round. With a tenth, three rounds gained two thirds as much in interiors; with all,
+/// a few tenths of a per cent more, in three times the time of this.
+const SHARE: f64 = 0.3;
+
+/// Improves a tree in some rounds; ends early when a round finds nothing to gain.
+///
+/// Cost: O(n) for each round, and the searches, measured 0.4 microseconds for each node of the upper part of the tree that takes part; some 30 bytes per triangle.
+pub(super) fn improve(tree: &mut BinaryTree, rounds: usize) {
+    // The least tree with a node that is neither the root nor a child of it, and a place to go.
+    if rounds == 0 || tree.inner_count < 3 {
+        return;
+    }
+    let mut pairs = PairTree::new(tree);
+    let mut made = false;
+    for _ in 0..rounds {
+        if !round(&mut pairs) {
+            break;
+        }
+        made = true;
+    }
+    if made {
+        pairs.write_back(tree);
+    }
+}
+
+/// Searches and moves once. Whether anything moved.
+fn round(pairs: &mut PairTree) -> bool {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a part of a number of nodes"
+    )]
+    let count = (pairs.len() as f64 * SHARE).ceil() as usize;
+    let candidates = pairs.largest(count);
+    let found = collect_each(&candidates, |subtree| {
+        search::best(pairs, *subtree as usize)
+    });
+    let mut moves: Vec<Move> = found.into_iter().flatten().collect();
+    moves.sort_unstable_by(|a, b| {
+        let by_gain = b.gain.total_cmp(&a.gain);
+        by_gain.then_with(|| a.subtree.cmp(&b.subtree))
+    });
+    let mut changed = vec![false; pairs.len()];
+    let mut made = false;
+    for wanted in &moves {
+        made |= pairs.make(wanted, &mut changed);
+    }
+    made
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,283 @@
+//! Candidates for spatial splits: planes between bins of equal width, and the boxes of what is on each side.
+
+use tahko_geometry::{
+    TriangleMesh,
+    glam::{Vec3, Vec4},
+};
+
+use crate::build::reference::{Bounds, Reference};
+use crate::parallel::reduce;
+
+/// A plane that cuts a node in two, with what is expected on its sides: references across the plane count on both.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SpatialSplit {
+    pub(super) axis: usize,
+    pub(super) plane: f32,
+    /// The sum over both sides of their half area times their number of references.
+    pub(super) cost: f64,
+    pub(super) sides: [Side; 2],
+}
+
+/// Some references, and the box of their parts.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Side {
+    pub(super) bounds: Bounds,
+    pub(super) count: u32,
+}
+
+impl Side {
+    const EMPTY: Self = Self {
+        bounds: Bounds::EMPTY,
+        count: 0,
+    };
+
+    pub(super) fn cost(&self) -> f64 {
+        if self.count == 0 {
+            return 0.0;
+        }
+        f64::from(self.count) * self.bounds.half_area()
+    }
+}
+
+/// The cheapest plane on any axis that makes at most `slack` references more; `None` if all references are on
+/// one side of each.
+pub(super) fn best(
+    references: &[Reference],
+    bounds: &Bounds,
+    mesh: &TriangleMesh,
+    slack: usize,
+) -> Option<SpatialSplit> {
+    if references.len() < FEW {
+        best_of::<8>(references, bounds, mesh, slack)
+    } else {
+        best_of::<16>(references, bounds, mesh, slack)
+    }
+}
+
+/// Nodes of fewer references have half as many bins.
+const FEW: usize = 16;
+
+fn best_of<const N: usize>(
+    references: &[Reference],
+    bounds: &Bounds,
+    mesh: &TriangleMesh,
+    slack: usize,
+) -> Option<SpatialSplit> {
+    let grid = Grid::<N>::new(bounds);
+    let filled = reduce(
+        references,
+        &|chunk: &[Reference]| Bins::<N>::filled(chunk, &grid, mesh),
+        &Bins::merged,
+    );
+    let most = references.len() + slack;
+    let mut best: Option<SpatialSplit> = None;
+    for (axis, bins) in filled.axes.iter().enumerate() {
+        for (bin, sides) in bins.splits() {
+            let cost = sides[0].cost() + sides[1].cost();
+            let count = sides[0].count + sides[1].count;
+            let plane = grid.plane(axis, bin);
+            if best.is_none_or(|best| cost < best.cost)
+                && count as usize <= most
+                && bounds.lower()[axis] < plane
+                && plane < bounds.upper()[axis]
+            {
+                best = Some(SpatialSplit {
+                    axis,
+                    plane,
+                    cost,
+                    sides,
+                });
+            }
+        }
+    }
+    best
+}
+
+/// Bins of equal width over the box of a node on each axis. Positions are rounded: what is near a plane may be counted on its other side, which
+/// steers the build and decides nothing else.
+struct Grid<const N: usize> {
+    origin: Vec4,
+    width: Vec4,
+    factor: Vec4,
+}
+
+impl<const N: usize> Grid<N> {
+    fn new(bounds: &Bounds) -> Self {
+        #[expect(clippy::cast_precision_loss, reason = "at most 16")]
+        let bins = N as f32;
+        // Halved before they are subtracted: the difference may be beyond the largest f32.
+        let half = 0.5 * bounds.to_aabb().max - 0.5 * bounds.to_aabb().min;
+        let factors = (0.5 * bins / half).min(Vec3::splat(f32::MAX));
+        Self {
+            origin: bounds.lower(),
+            width: (half * (2.0 / bins)).extend(0.0),
+            factor: factors.extend(0.0),
+        }
+    }
+
+    /// The plane before a bin.
+    fn plane(&self, axis: usize, bin: usize) -> f32 {
+        #[expect(clippy::cast_precision_loss, reason = "at most 16")]
+        let bin = bin as f32;
+        self.origin[axis] + bin * self.width[axis]
+    }
+
+    /// The bins of a point.
+    #[inline]
+    fn bins(&self, point: Vec4) -> [usize; 3] {
+        #[expect(clippy::cast_precision_loss, reason = "at most 16")]
+        let last = Vec4::splat((N - 1) as f32);
+        let position = ((point - self.origin) * self.factor).min(last);
+        let [x, y, z, _] = position.max(Vec4::ZERO).to_array();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "from 0 to the last bin; truncation makes bins of equal width"
+        )]
+        [x, y, z].map(|position| position as i32 as usize)
+    }
+
+    #[inline]
+    fn bin(&self, axis: usize, position: f32) -> usize {
+        let position = (position - self.origin[axis]) * self.factor[axis];
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "saturates at 0; the caller has an upper bound"
+        )]
+        let bin = position as u32;
+        bin as usize
+    }
+}
+
+struct Bins<const N: usize> {
+    axes: [AxisBins<N>; 3],
+}
+
+#[derive(Clone, Copy)]
+struct AxisBins<const N: usize> {
+    /// What is in each bin of the parts of all references.
+    bounds: [Bounds; N],
+    /// How many references begin in each bin.
+    entries: [u32; N],
+    /// How many references end in each bin.
+    exits: [u32; N],
+}
+
+impl<const N: usize> Bins<N> {
+    fn filled(references: &[Reference], grid: &Grid<N>, mesh: &TriangleMesh) -> Self {
+        let empty = AxisBins {
+            bounds: [Bounds::EMPTY; N],
+            entries: [0; N],
+            exits: [0; N],
+        };
+        let mut axes = [empty; 3];
+        for reference in references {
+            let bounds = reference.bounds();
+            let first = grid.bins(bounds.lower());
+            let last = grid.bins(bounds.upper());
+            let mut corners = None;
+            for (axis, bins) in axes.iter_mut().enumerate() {
+                let (first, last) = (first[axis], last[axis]);
+                bins.entries[first] += 1;
+                bins.exits[last] += 1;
+                if first == last {
+                    bins.bounds[first].add(reference);
+                } else {
+                    let corners = corners.get_or_insert_with(|| {
+                        let triangle = mesh.triangle(reference.number() as usize);
+                        triangle.vertices().map(|corner| corner.extend(0.0))
+                    });
+                    bins.add_parts(corners, &bounds, grid, axis, first..last + 1);
+                }
+            }
+        }
+        Self { axes }
+    }
+
+    fn merged(mut self, Self { axes }: Self) -> Self {
+        for (axis, other) in self.axes.iter_mut().zip(axes) {
+            for bin in 0..N {
+                axis.bounds[bin] = axis.bounds[bin].union(other.bounds[bin]);
+                axis.entries[bin] += other.entries[bin];
+                axis.exits[bin] += other.exits[bin];
+            }
+        }
+        self
+    }
+}
+
+impl<const N: usize> AxisBins<N> {
+    /// Cuts the part of a triangle in a box at the planes between some bins: the box of each piece is that of the points where the planes and
+    /// the box's ends on this axis cut the edges, and of the vertices between.
+    #[inline]
+    fn add_parts(
+        &mut self,
+        corners: &[Vec4; 3],
+        bounds: &Bounds,
+        grid: &Grid<N>,
+        axis: usize,
+        bins: std::ops::Range<usize>,
+    ) {
+        let (start, end) = (bounds.lower()[axis], bounds.upper()[axis]);
+        let mut pieces = [Bounds::EMPTY; N];
+        let bin_of = |position: f32| grid.bin(axis, position).clamp(bins.start, bins.end - 1);
+        for edge in 0..3 {
+            let (mut from, mut to) = (corners[edge], corners[(edge + 1) % 3]);
+            if from[axis] > to[axis] {
+                (from, to) = (to, from);
+            }
+            let (low, high) = (from[axis], to[axis]);
+            if high < start || low > end {
+                continue;
+            }
+            let slope = (to - from) / (high - low);
+            let point = |position: f32| from + slope * (position - low);
+            let first = if low < start {
+                pieces[bins.start].add_point(point(start));
+                bins.start
+            } else {
+                let bin = bin_of(low);
+                pieces[bin].add_point(from);
+                bin
+            };
+            let last = if high > end {
+                pieces[bins.end - 1].add_point(point(end));
+                bins.end - 1
+            } else {
+                let bin = bin_of(high);
+                pieces[bin].add_point(to);
+                bin
+            };
+            for bin in first + 1..=last {
+                let cut = point(grid.plane(axis, bin));
+                pieces[bin - 1].add_point(cut);
+                pieces[bin].add_point(cut);
+            }
+        }
+        for bin in bins {
+            let piece = pieces[bin].intersection(*bounds);
+            if !piece.is_empty() {
+                self.bounds[bin] = self.bounds[bin].union(piece);
+            }
+        }
+    }
+
+    /// Each bin before which references can be split in two, with what is on both sides.
+    fn splits(&self) -> impl Iterator<Item = (usize, [Side; 2])> {
+        let mut behind = [Side::EMPTY; N];
+        let mut side = Side::EMPTY;
+        for bin in (1..N).rev() {
+            side.bounds = side.bounds.union(self.bounds[bin]);
+            side.count += self.exits[bin];
+            behind[bin] = side;
+        }
+        let mut before = Side::EMPTY;
+        (1..N).filter_map(move |bin| {
+            before.bounds = before.bounds.union(self.bounds[bin - 1]);
+            before.count += self.entries[bin - 1];
+            let splits = before.count > 0 && behind[bin].count > 0;
+            splits.then_some((bin, [before, behind[bin]]))
+        })
+    }
+}
