@@ -1,11 +1,16 @@
 //! The layout with up to eight children per node, made from a [`BinaryTree`].
 
+mod batch;
 mod collapse;
 mod emit;
+mod leaf;
 mod node;
+mod order;
+mod slabs;
 mod stack;
 mod traverse;
 
+use tahko_geometry::simd::Simd;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
 
 use crate::build::BinaryTree;
@@ -61,6 +66,15 @@ impl WideBvh {
             .filter(|block| !block.continues())
             .count();
         self.nodes.len() + leaves
+    }
+
+    /// Asks for the memory of a child that is soon needed.
+    #[inline(always)]
+    pub(crate) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
+        match child.kind() {
+            Kind::Inner(index) => simd.prefetch(&self.nodes[index]),
+            Kind::Leaf(index) => simd.prefetch(&self.blocks[index]),
+        }
     }
 
     /// The triangles of a leaf.

@@ -40,24 +40,6 @@ enum Best {
 }
 
 impl ClosestHit {
-    /// A search up to the ray's `t_max`.
-    #[must_use]
-    pub const fn new(ray: &Ray) -> Self {
-        Self {
-            t_max: ray.t_max,
-            ignored: None,
-            best: Best::None,
-            primitive: 0,
-            t: Interval {
-                start: f32::INFINITY,
-                end: f32::INFINITY,
-            },
-            u: 0.0,
-            v: 0.0,
-            vertices: [Vec3A::ZERO; 3],
-        }
-    }
-
     /// The same search without one primitive.
     #[must_use]
     pub const fn ignoring(self, primitive: u32) -> Self {
@@ -145,6 +127,23 @@ impl HitCollector for ClosestHit {
     type Answer = Option<Hit>;
 
     const ORDERED: bool = true;
+
+    #[inline]
+    fn new(ray: &Ray) -> Self {
+        Self {
+            t_max: ray.t_max,
+            ignored: None,
+            best: Best::None,
+            primitive: 0,
+            t: Interval {
+                start: f32::INFINITY,
+                end: f32::INFINITY,
+            },
+            u: 0.0,
+            v: 0.0,
+            vertices: [Vec3A::ZERO; 3],
+        }
+    }
 
     #[inline]
     fn t_max(&self) -> f32 {

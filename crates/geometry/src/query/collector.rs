@@ -61,6 +61,9 @@ pub trait HitCollector: Sized {
     /// Whether the search is over sooner if what is nearer comes first.
     const ORDERED: bool;
 
+    /// A search up to the ray's `t_max`.
+    fn new(ray: &Ray) -> Self;
+
     /// The largest rounded `t` that still matters. A traversal may skip whatever begins beyond it.
     fn t_max(&self) -> f32;
 
@@ -131,16 +134,6 @@ pub struct AnyHit {
 }
 
 impl AnyHit {
-    /// A search up to the ray's `t_max`.
-    #[must_use]
-    pub const fn new(ray: &Ray) -> Self {
-        Self {
-            t_max: ray.t_max,
-            ignored: None,
-            found: false,
-        }
-    }
-
     /// The same search without one primitive.
     #[must_use]
     pub const fn ignoring(self, primitive: u32) -> Self {
@@ -155,6 +148,15 @@ impl HitCollector for AnyHit {
     type Answer = bool;
 
     const ORDERED: bool = false;
+
+    #[inline]
+    fn new(ray: &Ray) -> Self {
+        Self {
+            t_max: ray.t_max,
+            ignored: None,
+            found: false,
+        }
+    }
 
     #[inline]
     fn t_max(&self) -> f32 {
@@ -208,15 +210,6 @@ pub struct AllHits {
 }
 
 impl AllHits {
-    /// A search up to the ray's `t_max`.
-    #[must_use]
-    pub const fn new(ray: &Ray) -> Self {
-        Self {
-            t_max: ray.t_max,
-            hits: Vec::new(),
-        }
-    }
-
     /// The hits in their order along the ray: by `t`, then by primitive.
     pub fn into_sorted<K: TriangleKernel>(mut self, kernel: &K) -> impl Iterator<Item = Hit> {
         self.hits
@@ -246,6 +239,14 @@ impl HitCollector for AllHits {
     type Answer = ();
 
     const ORDERED: bool = false;
+
+    #[inline]
+    fn new(ray: &Ray) -> Self {
+        Self {
+            t_max: ray.t_max,
+            hits: Vec::new(),
+        }
+    }
 
     #[inline]
     fn t_max(&self) -> f32 {

@@ -118,6 +118,26 @@ pub trait Traverse: Sync {
         self.traverse::<K, H, C>(ray, collector, counter);
         collector.finish::<K, C>(ray, counter)
     }
+
+    /// The answers of many searches, of equally many rays; rays that are not valid hit nothing.
+    fn answers<K: TriangleKernel, H: HitCollector>(&self, rays: &[Ray], answers: &mut [H::Answer]) {
+        for (ray, answer) in rays.iter().zip(answers) {
+            *answer = search::<_, K, H, ()>(self, ray, &mut H::new(ray), &mut ());
+        }
+    }
+}
+
+/// Runs the searches with the kernel of the structure's precision.
+fn run_all<T, H>(structure: &T, rays: &[Ray], answers: &mut [H::Answer])
+where
+    T: Traverse + ?Sized,
+    H: HitCollector,
+{
+    match structure.precision() {
+        Precision::Fast => structure.answers::<MollerTrumbore, H>(rays, answers),
+        Precision::Watertight => structure.answers::<Woop, H>(rays, answers),
+        Precision::Exact => structure.answers::<Exact, H>(rays, answers),
+    }
 }
 
 /// Runs the search with the kernel of the structure's precision.
@@ -181,16 +201,12 @@ impl<T: Traverse> RayQuery for T {
 
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.closest_hit(ray);
-        }
+        run_all::<_, ClosestHit>(self, rays, hits);
     }
 
     fn any_hits(&self, rays: &[Ray], hits: &mut [bool]) {
         assert_eq!(rays.len(), hits.len(), "one hit per ray");
-        for (ray, hit) in rays.iter().zip(hits) {
-            *hit = self.any_hit(ray);
-        }
+        run_all::<_, AnyHit>(self, rays, hits);
     }
 
     fn closest_hit_counted(&self, ray: &Ray, counts: &mut QueryCounts) -> Option<Hit> {

@@ -1,0 +1,159 @@
+//! Many rays at a time.
+//!
+//! A single ray spends most of its time waiting: for the next node to come from memory, for one result of a chain of others, for a
+//! branch that was foreseen wrongly. So a thread has several rays in flight and gives each a step, a node or a leaf, in turn: while one waits the others work. What a ray
+//! needs next is asked for at the end of its step. Children are put in order by a network instead of by branches: that takes longer
+//! for one ray, and less of the processor for many.
+//!
+//! Each ray visits the nodes that it would visit alone, up to the order of children at nearly the same distance, and finds the same hit.
+
+use std::mem::MaybeUninit;
+use std::ops::ControlFlow;
+
+use tahko_geometry::kernel::BlockFilter;
+use tahko_geometry::simd::{LANES, Simd, WithSimd};
+use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
+
+use super::leaf::Leaf;
+use super::slabs::Slabs;
+use super::stack::{Entry, Stack};
+use super::{Child, Kind, WideBvh};
+
+/// Rays that a thread has in flight.
+pub(super) const IN_FLIGHT: usize = 8;
+
+/// The searches of many rays.
+pub(super) struct Batch<'a, K: TriangleKernel, H: HitCollector> {
+    pub(super) bvh: &'a WideBvh,
+    pub(super) rays: &'a [Ray],
+    pub(super) answers: &'a mut [H::Answer],
+    pub(super) kernel: std::marker::PhantomData<K>,
+}
+
+/// A ray on its way.
+struct Flight<'a, K: TriangleKernel, H> {
+    /// Its place in the batch.
+    index: usize,
+    ray: &'a Ray,
+    fused: FusedRay,
+    filter: K::Block,
+    collector: H,
+    t_max: f32,
+    stack: Stack<'a>,
+}
+
+impl<K: TriangleKernel, H: HitCollector> WithSimd for Batch<'_, K, H> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            bvh, rays, answers, ..
+        } = self;
+        let mut waiting = rays.iter().enumerate();
+        let size = bvh.stack_size + LANES;
+        let mut room = vec![MaybeUninit::uninit(); size * IN_FLIGHT];
+        let mut flights: Vec<Flight<'_, K, H>> = Vec::with_capacity(IN_FLIGHT);
+        for room in room.chunks_exact_mut(size) {
+            let Some((index, ray)) = next_valid::<K, H>(&mut waiting, answers) else {
+                break;
+            };
+            flights.push(Flight::new(bvh, index, ray, Stack::new(room)));
+        }
+        while !flights.is_empty() {
+            let mut place = 0;
+            while place < flights.len() {
+                let flight = &mut flights[place];
+                if flight.step(simd, bvh).is_break() {
+                    answers[flight.index] = flight.collector.finish::<K, ()>(flight.ray, &mut ());
+                    match next_valid::<K, H>(&mut waiting, answers) {
+                        Some((index, ray)) => flight.start(bvh, index, ray),
+                        None => {
+                            flights.swap_remove(place);
+                            continue;
+                        }
+                    }
+                }
+                place += 1;
+            }
+        }
+    }
+}
+
+/// The next ray that can hit anything; those before it are answered.
+#[inline(always)]
+fn next_valid<'a, K: TriangleKernel, H: HitCollector>(
+    rays: &mut impl Iterator<Item = (usize, &'a Ray)>,
+    answers: &mut [H::Answer],
+) -> Option<(usize, &'a Ray)> {
+    rays.find(|(index, ray)| {
+        let is_valid = ray.is_valid();
+        if !is_valid {
+            answers[*index] = H::new(ray).finish::<K, ()>(ray, &mut ());
+        }
+        is_valid
+    })
+}
+
+impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
+    #[inline(always)]
+    fn new(bvh: &WideBvh, index: usize, ray: &'a Ray, mut stack: Stack<'a>) -> Self {
+        let fused = FusedRay::new(ray, bvh.size, K::REACH);
+        stack.clear();
+        stack.push(Entry::new(bvh.root, ray.t_min));
+        Self {
+            index,
+            ray,
+            fused,
+            filter: K::Block::new(ray, &fused),
+            collector: H::new(ray),
+            t_max: ray.t_max,
+            stack,
+        }
+    }
+
+    /// Gives the place of a ray that is done to another one.
+    #[inline(always)]
+    fn start(&mut self, bvh: &WideBvh, index: usize, ray: &'a Ray) {
+        self.index = index;
+        self.ray = ray;
+        self.fused = FusedRay::new(ray, bvh.size, K::REACH);
+        self.filter = K::Block::new(ray, &self.fused);
+        self.collector = H::new(ray);
+        self.t_max = ray.t_max;
+        self.stack.clear();
+        self.stack.push(Entry::new(bvh.root, ray.t_min));
+    }
+
+    /// Visits one node or leaf. `Break` at the end of the search.
+    #[inline(always)]
+    fn step<S: Simd>(&mut self, simd: S, bvh: &WideBvh) -> ControlFlow<()> {
+        let Some(child) = self.stack.pop_before::<H>(self.t_max) else {
+            return ControlFlow::Break(());
+        };
+        match child.kind() {
+            Kind::Inner(index) => {
+                let node = &bvh.nodes[index];
+                let slabs = Slabs::new(simd, &self.fused, self.ray.t_min);
+                let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
+                let children = node.children.map(Child::bits);
+                self.stack.push_sorted(simd, start, hits, &children);
+            }
+            Kind::Leaf(first_block) => {
+                let leaf = Leaf::<K, H, ()> {
+                    blocks: &bvh.blocks[first_block..],
+                    ray: self.ray,
+                    filter: &self.filter,
+                    collector: &mut self.collector,
+                    counter: &mut (),
+                };
+                simd.outline(leaf)?;
+                self.t_max = self.collector.t_max();
+            }
+        }
+        if let Some(next) = self.stack.top() {
+            bvh.prefetch(simd, next.child());
+        }
+        ControlFlow::Continue(())
+    }
+}

@@ -1,0 +1,81 @@
+//! The order in which a ray visits the children of a node.
+
+use tahko_geometry::HitCollector;
+use tahko_geometry::simd::{LANES, Simd};
+
+use super::stack::{Entry, Stack};
+use super::{Child, WideNode};
+
+/// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first.
+#[inline(always)]
+pub(super) fn nearest_child<S: Simd, H: HitCollector>(
+    simd: S,
+    node: &WideNode,
+    start: S::F32s,
+    hits: u32,
+    stack: &mut Stack<'_>,
+) -> Child {
+    let lane = |bits: u32| bits.trailing_zeros() as usize % LANES;
+    let first = lane(hits);
+    let rest = hits & (hits - 1);
+    if rest == 0 {
+        return node.children[first];
+    }
+    if !H::ORDERED {
+        let mut rest = rest;
+        while rest != 0 {
+            stack.push(Entry::new(node.children[lane(rest)], 0.0));
+            rest &= rest - 1;
+        }
+        return node.children[first];
+    }
+    let starts = simd.store(start).0;
+    let entry = |lane: usize| Entry::new(node.children[lane], starts[lane]);
+    let a = entry(first);
+    let b = entry(lane(rest));
+    let rest = rest & (rest - 1);
+    if rest == 0 {
+        let [near, far] = sorted(a, b);
+        stack.push(far);
+        return near.child();
+    }
+    let c = entry(lane(rest));
+    let rest = rest & (rest - 1);
+    if rest == 0 {
+        let [a, b] = sorted(a, b);
+        let [b, c] = sorted(b, c);
+        let [a, b] = sorted(a, b);
+        stack.push(c);
+        stack.push(b);
+        return a.child();
+    }
+    let d = entry(lane(rest));
+    let rest = rest & (rest - 1);
+    if rest == 0 {
+        let ([a, b], [c, d]) = (sorted(a, b), sorted(c, d));
+        let ([a, c], [b, d]) = (sorted(a, c), sorted(b, d));
+        let [b, c] = sorted(b, c);
+        stack.push(d);
+        stack.push(c);
+        stack.push(b);
+        return a.child();
+    }
+    for entry in [a, b, c, d] {
+        stack.push(entry);
+    }
+    let mut count = 4;
+    let mut rest = rest;
+    while rest != 0 {
+        stack.push(entry(lane(rest)));
+        rest &= rest - 1;
+        count += 1;
+    }
+    stack.sort_last(count);
+    stack.pop().map_or(Child::NOTHING, Entry::child)
+}
+
+/// Two entries in order, without a branch.
+#[inline(always)]
+fn sorted(a: Entry, b: Entry) -> [Entry; 2] {
+    if b < a { [b, a] } else { [a, b] }
+}
