@@ -7,11 +7,10 @@
 //!
 //! Each ray visits the nodes that it would visit alone, up to the order of children at nearly the same distance, and finds the same hit.
 
-use std::mem::MaybeUninit;
 use std::ops::ControlFlow;
 
 use tahko_geometry::kernel::BlockFilter;
-use tahko_geometry::simd::{LANES, Simd, WithSimd};
+use tahko_geometry::simd::{Simd, WithSimd};
 use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
 
 use super::leaf::Leaf;
@@ -51,10 +50,9 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for Batch<'_, K, H> {
             bvh, rays, answers, ..
         } = self;
         let mut waiting = rays.iter().enumerate();
-        let size = bvh.stack_size + LANES;
-        let mut room = vec![MaybeUninit::uninit(); size * IN_FLIGHT];
+        let mut rooms = vec![Stack::room(); IN_FLIGHT];
         let mut flights: Vec<Flight<'_, K, H>> = Vec::with_capacity(IN_FLIGHT);
-        for room in room.chunks_exact_mut(size) {
+        for room in &mut rooms {
             let Some((index, ray)) = next_valid::<K, H>(&mut waiting, answers) else {
                 break;
             };
@@ -133,7 +131,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         };
         match child.kind() {
             Kind::Inner(index) => {
-                let node = &bvh.nodes[index];
+                let node = bvh.node(index);
                 let slabs = Slabs::new(simd, &self.fused, self.ray.t_min);
                 let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
                 let children = node.children.map(Child::bits);
@@ -141,7 +139,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
             }
             Kind::Leaf(first_block) => {
                 let leaf = Leaf::<K, H, ()> {
-                    blocks: &bvh.blocks[first_block..],
+                    blocks: bvh.blocks_from(first_block),
                     ray: self.ray,
                     filter: &self.filter,
                     collector: &mut self.collector,

@@ -1,5 +1,6 @@
 //! The layout with up to eight children per node, made from a [`BinaryTree`].
 
+mod access;
 mod batch;
 mod collapse;
 mod emit;

@@ -7,18 +7,25 @@ use tahko_geometry::HitCollector;
 use tahko_geometry::simd::{LANES, Simd};
 
 use super::Child;
+use crate::build::MAX_DEPTH;
 
-/// Entries for which a traversal has room without asking for memory.
-pub(super) const LOCAL: usize = 256;
+/// Entries of a stack: a power of two, so that keeping an index below it is one instruction.
+const CAPACITY: usize = 512;
+
+// A traversal takes one entry and adds at most eight at every node of a way down; some more may be written beyond those that are added.
+const _: () = assert!(
+    (LANES - 1) * MAX_DEPTH + 2 * LANES <= CAPACITY,
+    "no tree needs more"
+);
 
 /// Room for the entries of a stack.
-pub(super) type Room = [MaybeUninit<u64>; LOCAL];
+pub(super) type Room = [MaybeUninit<u64>; CAPACITY];
 
 /// Children that wait, each with a number that its ray enters not before: the number's bits above those of the child, so that entries
 /// with numbers from zero on are in order as integers.
 pub(super) struct Stack<'a> {
-    room: &'a mut [MaybeUninit<u64>],
-    /// Invariant: this many entries are written.
+    room: &'a mut Room,
+    /// Invariant: this many entries are written. No tree that is built makes it larger than the room.
     len: usize,
 }
 
@@ -45,14 +52,20 @@ impl Entry {
 }
 
 impl<'a> Stack<'a> {
+    /// Room for a stack, not written yet.
     #[inline(always)]
-    pub(super) fn new(room: &'a mut [MaybeUninit<u64>]) -> Self {
+    pub(super) const fn room() -> Room {
+        [MaybeUninit::uninit(); CAPACITY]
+    }
+
+    #[inline(always)]
+    pub(super) fn new(room: &'a mut Room) -> Self {
         Self { room, len: 0 }
     }
 
     #[inline(always)]
     pub(super) fn push(&mut self, entry: Entry) {
-        self.room[self.len].write(entry.0);
+        self.room[self.len % CAPACITY].write(entry.0);
         self.len += 1;
     }
 
@@ -63,7 +76,9 @@ impl<'a> Stack<'a> {
         }
         self.len -= 1;
         // SAFETY: by the invariant, the entries before the length that it had are written.
-        Some(Entry(unsafe { self.room[self.len].assume_init() }))
+        Some(Entry(unsafe {
+            self.room[self.len % CAPACITY].assume_init()
+        }))
     }
 
     #[inline(always)]
@@ -76,7 +91,7 @@ impl<'a> Stack<'a> {
     pub(super) fn top(&self) -> Option<Entry> {
         let last = self.len.checked_sub(1)?;
         // SAFETY: by the invariant, the entries before the length are written.
-        Some(Entry(unsafe { self.room[last].assume_init() }))
+        Some(Entry(unsafe { self.room[last % CAPACITY].assume_init() }))
     }
 
     /// Pushes the children of a mask, the one with the smallest key last. There is room for eight, however many are pushed.

@@ -7,7 +7,6 @@
 //! number. So the answer is that of testing every triangle, at every level of instructions.
 
 use std::marker::PhantomData;
-use std::mem::MaybeUninit;
 
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Simd, WithSimd};
@@ -20,7 +19,7 @@ use super::batch::Batch;
 use super::leaf::Leaf;
 use super::order::nearest_child;
 use super::slabs::Slabs;
-use super::stack::{LOCAL, Room, Stack};
+use super::stack::Stack;
 use super::{Child, Kind, WideBvh};
 use crate::Bvh;
 
@@ -122,14 +121,8 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
         let fused = FusedRay::new(ray, bvh.size, K::REACH);
         let filter = K::Block::new(ray, &fused);
         let slabs = Slabs::new(simd, &fused, ray.t_min);
-        let mut local: Room = [MaybeUninit::uninit(); LOCAL];
-        let mut more = Vec::new();
-        let mut stack = Stack::new(if bvh.stack_size <= LOCAL {
-            &mut local
-        } else {
-            more.resize(bvh.stack_size, MaybeUninit::uninit());
-            &mut more
-        });
+        let mut room = Stack::room();
+        let mut stack = Stack::new(&mut room);
         let mut t_max = collector.t_max();
         let mut current = bvh.root;
         loop {
@@ -141,7 +134,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
                     Kind::Inner(index) => index,
                     Kind::Leaf(first_block) => break first_block,
                 };
-                let node = &bvh.nodes[index];
+                let node = bvh.node(index);
                 counter.bound_tests(LANES as u64);
                 let (start, hits) = slabs.clip(node, limit);
                 let hits = simd.bits(hits);
@@ -156,7 +149,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
                 }
             };
             let leaf = Leaf::<K, H, C> {
-                blocks: &bvh.blocks[first_block..],
+                blocks: bvh.blocks_from(first_block),
                 ray,
                 filter: &filter,
                 collector: &mut *collector,
