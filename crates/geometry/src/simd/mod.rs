@@ -175,3 +175,6 @@ impl AvailableSimd {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
