@@ -197,3 +197,6 @@ fn relative_area(tree: &BinaryTree) -> impl Fn(&Aabb) -> f32 {
     )]
     move |bounds| (bounds.half_area() * scale) as f32
 }
+
+#[cfg(test)]
+mod tests;

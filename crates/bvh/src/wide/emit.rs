@@ -162,3 +162,6 @@ impl Emitter<'_> {
         child
     }
 }
+
+#[cfg(test)]
+mod tests;
