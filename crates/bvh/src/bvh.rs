@@ -104,6 +104,7 @@ mod tests {
     use tahko_geometry::glam::Vec3;
 
     use super::*;
+    use crate::wide::Child;
 
     /// Triangles between neighbouring points of a sequence whose coordinates are exact in f32.
     fn mesh() -> TriangleMesh {
@@ -120,7 +121,7 @@ mod tests {
         let nodes = layout.nodes.iter().flat_map(|node| {
             let lanes = node.bounds.as_flattened().iter();
             let bounds = lanes.flat_map(|lanes| lanes.0.map(f32::to_bits));
-            bounds.chain(node.children.map(|child| child.bits()))
+            bounds.chain(node.children.map(Child::bits))
         });
         let blocks = layout.blocks.iter().flat_map(|block| {
             let numbers = block.triangles().map(|(number, _)| number);

@@ -104,7 +104,6 @@ impl TriangleBlock {
     }
 
     /// The triangles with their numbers.
-    #[must_use]
     pub fn triangles(&self) -> impl Iterator<Item = (u32, Triangle)> + '_ {
         (0..LANES).filter_map(|lane| Some((self.number(lane)?, self.triangle(lane))))
     }

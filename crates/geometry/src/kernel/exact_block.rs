@@ -152,20 +152,28 @@ impl ExactBlockFilter {
     fn project<S: Simd>(&self, simd: S, block: &TriangleBlock, vertex: usize) -> Projected<S> {
         let (x, y) = (self.z.next(), self.z.next().next());
         let t = simd.mul(
-            self.from_origin(simd, block, vertex, self.z),
+            self.difference_to_origin(simd, block, vertex, self.z),
             simd.splat(self.reciprocal),
         );
         let direction_x = simd.splat(self.direction[x as usize]);
         let direction_y = simd.splat(self.direction[y as usize]);
         Projected {
             t,
-            x: simd.neg_mul_add(direction_x, t, self.from_origin(simd, block, vertex, x)),
-            y: simd.neg_mul_add(direction_y, t, self.from_origin(simd, block, vertex, y)),
+            x: simd.neg_mul_add(
+                direction_x,
+                t,
+                self.difference_to_origin(simd, block, vertex, x),
+            ),
+            y: simd.neg_mul_add(
+                direction_y,
+                t,
+                self.difference_to_origin(simd, block, vertex, y),
+            ),
         }
     }
 
     #[inline(always)]
-    fn from_origin<S: Simd>(
+    fn difference_to_origin<S: Simd>(
         &self,
         simd: S,
         block: &TriangleBlock,

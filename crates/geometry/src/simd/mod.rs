@@ -151,8 +151,8 @@ impl AvailableSimd {
     /// The best level that this processor has.
     #[must_use]
     pub fn best() -> Self {
-        let available = SimdLevel::ALL.into_iter().filter_map(SimdLevel::available);
-        available.last().unwrap_or(Self(Available::Portable))
+        let mut available = SimdLevel::ALL.into_iter().filter_map(SimdLevel::available);
+        available.next_back().unwrap_or(Self(Available::Portable))
     }
 
     /// Which level it is.

@@ -129,7 +129,6 @@ fn scales(sizes: Range<i32>) -> impl Strategy<Value = Scales> {
     })
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
 fn scaled(vector: Vec3, power: i32) -> Vec3 {
     (vector.as_dvec3() * 2f64.powi(power)).as_vec3()
 }
