@@ -98,3 +98,76 @@ impl Bvh {
         self.simd
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use tahko_geometry::glam::Vec3;
+
+    use super::*;
+    use crate::wide::Child;
+
+    /// Triangles between neighbouring points of a sequence whose coordinates are exact in f32.
+    fn mesh() -> TriangleMesh {
+        let points = (0u32..40_002).map(|i| {
+            let [x, y, z] = [48_271, 69_621, 16_807].map(|factor| i.wrapping_mul(factor) % 8191);
+            Vec3::from([x, y, z].map(|coordinate| coordinate as f32))
+        });
+        let indices = (0..40_000).map(|i| [i, i + 1, i + 2]);
+        TriangleMesh::new(points.collect(), indices.collect()).expect("finite vertices")
+    }
+
+    /// FNV-1a over all bits of the layout but the vertices.
+    fn fingerprint(layout: &WideBvh) -> u64 {
+        let nodes = layout.nodes.iter().flat_map(|node| {
+            let lanes = node.bounds.as_flattened().iter();
+            let bounds = lanes.flat_map(|lanes| lanes.0.map(f32::to_bits));
+            bounds.chain(node.children.map(Child::bits))
+        });
+        let blocks = layout.blocks.iter().flat_map(|block| {
+            let numbers = block.triangles().map(|(number, _)| number);
+            numbers.chain([u32::from(block.continues())])
+        });
+        let root = std::iter::once(layout.root.bits());
+        root.chain(nodes)
+            .chain(blocks)
+            .fold(0xcbf2_9ce4_8422_2325, |hash, word| {
+                (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3)
+            })
+    }
+
+    /// The expected values are the same with and without the `parallel` feature. They change with the
+    /// build's decisions: that is no fault, if the cost of the tree did not grow.
+    #[test]
+    fn threads_do_not_show_in_the_tree() {
+        let mesh = mesh();
+        let presets = [
+            BvhOptions::fast(),
+            BvhOptions::balanced(),
+            BvhOptions::high_quality(),
+        ];
+        let found = presets.map(|options| {
+            let bvh = Bvh::build(&mesh, &options).expect("options in range");
+            (fingerprint(bvh.layout()), bvh.statistics().sah_cost)
+        });
+        let expected = [
+            0x9919_8fc4_986c_9f22,
+            0xc65b_01a6_8804_de8f,
+            0xbf52_7d2b_1c22_b43d,
+        ];
+        assert_eq!(found.map(|(hash, _)| hash), expected, "{found:x?}");
+    }
+
+    #[test]
+    fn a_tree_answers_at_every_level_that_it_is_given() {
+        let bvh = Bvh::build(&mesh(), &BvhOptions::default()).expect("options in range");
+        assert_eq!(bvh.simd_level(), AvailableSimd::best().level());
+        for level in SimdLevel::ALL {
+            let found = bvh.clone().with_simd(level);
+            assert_eq!(found.is_some(), level.is_available(), "{level:?}");
+            if let Some(found) = found {
+                assert_eq!(found.simd_level(), level);
+                assert!(found == bvh, "the tree is the same");
+            }
+        }
+    }
+}

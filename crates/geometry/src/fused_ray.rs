@@ -133,3 +133,6 @@ impl FusedSlabs {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -104,7 +104,6 @@ impl TriangleBlock {
     }
 
     /// The triangles with their numbers.
-    #[must_use]
     pub fn triangles(&self) -> impl Iterator<Item = (u32, Triangle)> + '_ {
         (0..LANES).filter_map(|lane| Some((self.number(lane)?, self.triangle(lane))))
     }
@@ -127,4 +126,95 @@ impl TriangleBlock {
 #[inline]
 const fn vertex(axes: &[Lanes; 3], lane: usize) -> Vec3 {
     Vec3::new(axes[0].0[lane], axes[1].0[lane], axes[2].0[lane])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::simd::{SimdLevel, WithSimd};
+
+    fn triangle(number: u32) -> Triangle {
+        let corner = |index: u32| {
+            let first = (9 * number + 3 * index) as f32;
+            Vec3::new(first, first + 1.0, first + 2.0)
+        };
+        Triangle::new(corner(0), corner(1), corner(2))
+    }
+
+    /// Triangles whose numbers are those of their lanes plus 100.
+    fn block(count: u32) -> TriangleBlock {
+        TriangleBlock::new((100..100 + count).map(|number| (number, triangle(number))))
+    }
+
+    #[test]
+    fn a_block_holds_the_triangles_that_it_is_made_of() {
+        for count in 0..=8u32 {
+            let block = block(count);
+            assert_eq!(block.used(), (1 << count) - 1);
+            assert!(!block.continues(), "as made");
+            let expected = (100..100 + count).map(|number| (number, triangle(number)));
+            assert!(block.triangles().eq(expected), "{count} triangles");
+            for lane in 0..LANES {
+                let number = (100..100 + count).nth(lane);
+                assert_eq!(block.number(lane), number);
+                assert_eq!(block.triangle(lane).a.is_nan(), number.is_none(), "{lane}");
+                let vertices = block.vertices(lane).map(Vec3::from);
+                if number.is_some() {
+                    assert_eq!(vertices, block.triangle(lane).vertices());
+                }
+            }
+        }
+        assert_eq!(TriangleBlock::EMPTY.used(), 0);
+    }
+
+    #[test]
+    fn what_does_not_fit_is_left() {
+        let block = block(12);
+        assert_eq!(block.triangles().count(), LANES);
+        assert_eq!(block.number(LANES - 1), Some(107));
+    }
+
+    #[test]
+    fn the_mark_of_a_continued_block_is_not_a_part_of_a_number() {
+        let largest = u32::try_from(TriangleMesh::MAX_TRIANGLES - 1).expect("in range");
+        for number in [0, 1, largest] {
+            let block = TriangleBlock::new([(number, triangle(0))]).continued();
+            assert!(block.continues(), "marked");
+            assert_eq!(
+                (block.number(0), block.used_number(0)),
+                (Some(number), number)
+            );
+            assert_eq!(block.used(), 1);
+        }
+        let empty = TriangleBlock::EMPTY.continued();
+        assert_eq!((empty.used(), empty.continues()), (0, true));
+    }
+
+    struct Load<'a>(&'a TriangleBlock, usize, Axis);
+
+    impl WithSimd for Load<'_> {
+        type Output = [f32; LANES];
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> [f32; LANES] {
+            let Self(block, vertex, axis) = self;
+            simd.store(block.load(simd, vertex, axis)).0
+        }
+    }
+
+    #[test]
+    fn coordinates_are_loaded_by_vertex_and_axis() {
+        let block = block(8);
+        for level in SimdLevel::ALL.into_iter().filter_map(SimdLevel::available) {
+            for vertex in 0..3 {
+                for axis in Axis::ALL {
+                    let loaded = level.dispatch(Load(&block, vertex, axis));
+                    let expected = std::array::from_fn(|lane| {
+                        block.triangle(lane).vertices()[vertex][axis as usize]
+                    });
+                    assert_eq!(loaded, expected, "{:?}", level.level());
+                }
+            }
+        }
+    }
 }

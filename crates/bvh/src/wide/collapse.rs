@@ -176,7 +176,8 @@ impl Subtree {
 }
 
 fn leaf_cost(area: f32, count: u32) -> f32 {
-    area * count.div_ceil(LANES as u32) as f32
+    let blocks = (count as usize).div_ceil(LANES);
+    area * blocks as f32
 }
 
 /// Areas of boxes in a tree as parts of that of its root.
@@ -197,3 +198,6 @@ fn relative_area(tree: &BinaryTree) -> impl Fn(&Aabb) -> f32 {
     )]
     move |bounds| (bounds.half_area() * scale) as f32
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,7 +5,7 @@ use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
 use super::collapse::{Collapse, Root};
 use super::{Child, WideBvh, WideNode};
-use crate::build::{BinaryTree, Link};
+use crate::build::{BinaryTree, Link, Reference};
 use crate::parallel::collect;
 
 /// A node whose children are still to be written.
@@ -38,7 +38,7 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
     let mut emitter = Emitter {
         tree,
         nodes: Vec::new(),
-        blocks: vec![0..0],
+        blocks: Vec::from([0..0]),
         numbers: Vec::with_capacity(tree.references.len()),
         continues: vec![false],
     };
@@ -137,7 +137,7 @@ impl Emitter<'_> {
                 Link::Leaf { first, count } => {
                     let references = &self.tree.references[first..][..count];
                     self.numbers
-                        .extend(references.iter().map(|reference| reference.number()));
+                        .extend(references.iter().map(Reference::number));
                 }
             }
         }
@@ -162,3 +162,6 @@ impl Emitter<'_> {
         child
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -101,3 +101,44 @@ impl WideNode {
         Aabb::new(corner(0), corner(1))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_child_tells_what_it_is() {
+        for index in [0, 1, 255, (1 << 31) - 1] {
+            assert_eq!(Child::inner(index).kind(), Kind::Inner(index));
+            assert_eq!(Child::leaf(index).kind(), Kind::Leaf(index));
+            for child in [Child::inner(index), Child::leaf(index)] {
+                assert_eq!(Child::from_bits(child.bits()), child);
+            }
+        }
+        assert_eq!(Child::NOTHING.kind(), Kind::Leaf(0));
+    }
+
+    #[test]
+    fn children_are_those_that_were_set_with_their_boxes() {
+        assert_eq!(WideNode::EMPTY.children().count(), 0);
+        let bounds = |x: f32| Aabb::new(Vec3::new(x, 1.0, -2.0), Vec3::new(x + 0.5, 3.0, -0.0));
+        let mut node = WideNode::EMPTY;
+        node.set(5, &bounds(5.0), Child::leaf(3));
+        node.set(0, &bounds(7.0), Child::inner(0));
+        let children: Vec<_> = node.children().collect();
+        let expected = [
+            (bounds(7.0), Child::inner(0)),
+            (bounds(5.0), Child::leaf(3)),
+        ];
+        assert_eq!(children, expected);
+        assert_eq!(node.bounds[0][1].0[5], 5.5);
+        assert_eq!(node.bounds[2][0].0[0], -2.0);
+    }
+
+    #[test]
+    fn the_boxes_of_unused_lanes_are_inside_out() {
+        for lane in 0..LANES {
+            assert!(WideNode::EMPTY.child_bounds(lane).is_empty(), "{lane}");
+        }
+    }
+}

@@ -140,3 +140,106 @@ impl<'a> Stack<'a> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Entries that begin at some numbers, numbered in turn.
+    fn entries(starts: &[f32]) -> Vec<Entry> {
+        let children = (1..).map(Child::leaf);
+        let entries = starts.iter().zip(children);
+        entries
+            .map(|(start, child)| Entry::new(child, *start))
+            .collect()
+    }
+
+    fn popped(stack: &mut Stack<'_>) -> Vec<Entry> {
+        std::iter::from_fn(|| stack.pop()).collect()
+    }
+
+    #[test]
+    fn an_entry_keeps_its_child_and_its_start() {
+        for child in [
+            Child::NOTHING,
+            Child::leaf(7),
+            Child::inner(0),
+            Child::inner(9),
+        ] {
+            for start in [0.0, 1.5, f32::MAX, f32::INFINITY, -2.0] {
+                let entry = Entry::new(child, start);
+                assert_eq!((entry.child(), entry.start()), (child, start));
+            }
+        }
+    }
+
+    #[test]
+    fn entries_are_in_the_order_of_their_starts() {
+        let starts = [
+            0.0,
+            1e-45,
+            1e-38,
+            0.5,
+            1.0,
+            1.0f32.next_up(),
+            3e38,
+            f32::INFINITY,
+        ];
+        let entries = entries(&starts);
+        assert!(entries.is_sorted(), "{entries:?}");
+        let [late, early] = [Child::leaf(1), Child::inner(2)];
+        assert!(
+            Entry::new(early, 1.0) < Entry::new(late, 2.0),
+            "whatever the child"
+        );
+    }
+
+    #[test]
+    fn what_is_pushed_last_is_popped_first_and_the_room_is_used_again() {
+        let mut room = [MaybeUninit::uninit(); 3];
+        let mut stack = Stack::new(&mut room);
+        assert!(stack.pop().is_none(), "empty");
+        let [a, b, c] = [0.0, 1.0, 2.0].map(|start| Entry::new(Child::inner(4), start));
+        stack.push(a);
+        stack.push(b);
+        assert_eq!(stack.pop(), Some(b));
+        stack.push(c);
+        stack.push(b);
+        assert_eq!(popped(&mut stack), [b, c, a]);
+        assert!(stack.pop().is_none(), "empty again");
+    }
+
+    #[test]
+    #[should_panic(expected = "out of bounds")]
+    fn more_than_there_is_room_for_is_refused() {
+        let mut room = [MaybeUninit::uninit(); 1];
+        let mut stack = Stack::new(&mut room);
+        let entry = Entry::new(Child::inner(0), 0.0);
+        stack.push(entry);
+        stack.push(entry);
+    }
+
+    /// All orders of up to five entries, above others that stay where they are.
+    #[test]
+    fn the_last_entries_are_sorted_and_no_others() {
+        let below = entries(&[0.5, 7.0, 0.25]);
+        for count in 0..=5u32 {
+            for order in 0..5u32.pow(count) {
+                let starts: Vec<f32> = (0..count)
+                    .map(|place| (order / 5u32.pow(place) % 5) as f32)
+                    .collect();
+                let last = entries(&starts);
+                let mut room = [MaybeUninit::uninit(); 8];
+                let mut stack = Stack::new(&mut room);
+                for entry in below.iter().chain(&last) {
+                    stack.push(*entry);
+                }
+                stack.sort_last(last.len());
+                let mut expected = last;
+                expected.sort_unstable();
+                expected.extend(below.iter().rev());
+                assert_eq!(popped(&mut stack), expected, "{starts:?}");
+            }
+        }
+    }
+}

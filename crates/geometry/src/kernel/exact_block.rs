@@ -10,14 +10,15 @@
 //! `u (|X| + |f.z|) + 4 u |f.z| + u |X| <= u (2 P + 5 Z)`. An edge function is the difference of two products of at most `P^2`, so it is off by at most `4 P` times that,
 //! and `4 u P^2` for its own three roundings (two if products are fused): together below `20.1 u P (P + Z)`. [`ERROR`] has a fifth more.
 //!
-//! **Range.** With `D.z` in `[2^-40, 2^20]` and `f` up to `2^40` nothing overflows, and what underflows, `2^-149` of a `t`, a product or a coordinate, moves an edge function by at
+//! **Range.** With `D.z` in `[2^-30, 2^20]` and `f` up to `2^30`, edge functions are below `2^64`, their products with a `t` below `2^124`, and nothing overflows: a sum that did
+//! would look like a `t` beyond all others. What underflows, `2^-149` of a `t`, a product or a coordinate, moves an edge function by at
 //! most `2^-126 (P + 1)`, which [`TINY`] covers. For other rays the filter says nothing.
 //!
 //! **The interval.** All points of a triangle have a `t` between the smallest and the largest of its vertices. Those are off by `3.01 u` of themselves, and their signs are exact.
 //!
 //! **Certain hits.** Where the weights have one sign for certain and their sum is `16` times the error `e` of one of them, `t` lies within
 //! `3 e / (sum - 3 e)` of the triangle's range in `t`, less than `4 e / sum` of it, of the exact mean, and the roundings of `t` and of the
-//! mean are below `12 u` of the largest `t`.
+//! mean are below `13 u` of the largest `t`. In small triangles the products of weights and `t` underflow, by up to `2^-149` each: [`TINY_SUM`] more of their sum.
 
 use super::block::{BlockFilter, BlockVerdict};
 use crate::simd::Simd;
@@ -31,10 +32,12 @@ const TINY: f32 = 1.0 / (1u128 << 120) as f32;
 const T_ERROR: f32 = 16.0 / (1u32 << 24) as f32;
 /// More than underflow can take from a `t`: `2^-140`.
 const TINY_T: f32 = f32::from_bits(1 << 9);
+/// More than underflow can take from a sum of weighted `t`: `2^-144`.
+const TINY_SUM: f32 = f32::from_bits(1 << 5);
 /// The range of the largest direction component in which the filter decides.
-const DIRECTIONS: std::ops::RangeInclusive<f32> = 1.0 / (1u64 << 40) as f32..=(1u32 << 20) as f32;
+const DIRECTIONS: std::ops::RangeInclusive<f32> = 1.0 / (1u32 << 30) as f32..=(1u32 << 20) as f32;
 /// The largest distance at which the filter decides.
-const FARTHEST: f32 = (1u64 << 40) as f32;
+const FARTHEST: f32 = (1u32 << 30) as f32;
 
 /// A ray prepared for the filter of the exact kernels.
 #[derive(Clone, Copy, Debug)]
@@ -116,10 +119,12 @@ impl BlockFilter for ExactBlockFilter {
         // One division, whose sign the second use does not want.
         let reciprocal = simd.div(simd.splat(1.0), determinant);
         let t = simd.mul(sum, reciprocal);
-        let spread = simd.mul(
-            simd.mul(simd.mul(error, simd.splat(4.0)), simd.abs(reciprocal)),
+        let spread = simd.mul_add(
+            simd.mul(error, simd.splat(4.0)),
             simd.sub(last_t, first_t),
+            simd.splat(TINY_SUM),
         );
+        let spread = simd.mul(spread, simd.abs(reciprocal));
         let rounding = simd.mul_add(farthest_t, simd.splat(T_ERROR), simd.splat(TINY_T));
         let margin = simd.add(rounding, spread);
         let (start, end) = (simd.sub(t, margin), simd.add(t, margin));
@@ -147,20 +152,28 @@ impl ExactBlockFilter {
     fn project<S: Simd>(&self, simd: S, block: &TriangleBlock, vertex: usize) -> Projected<S> {
         let (x, y) = (self.z.next(), self.z.next().next());
         let t = simd.mul(
-            self.from_origin(simd, block, vertex, self.z),
+            self.difference_to_origin(simd, block, vertex, self.z),
             simd.splat(self.reciprocal),
         );
         let direction_x = simd.splat(self.direction[x as usize]);
         let direction_y = simd.splat(self.direction[y as usize]);
         Projected {
             t,
-            x: simd.neg_mul_add(direction_x, t, self.from_origin(simd, block, vertex, x)),
-            y: simd.neg_mul_add(direction_y, t, self.from_origin(simd, block, vertex, y)),
+            x: simd.neg_mul_add(
+                direction_x,
+                t,
+                self.difference_to_origin(simd, block, vertex, x),
+            ),
+            y: simd.neg_mul_add(
+                direction_y,
+                t,
+                self.difference_to_origin(simd, block, vertex, y),
+            ),
         }
     }
 
     #[inline(always)]
-    fn from_origin<S: Simd>(
+    fn difference_to_origin<S: Simd>(
         &self,
         simd: S,
         block: &TriangleBlock,
@@ -200,3 +213,6 @@ fn edge_function<S: Simd>(simd: S, from: &Projected<S>, to: &Projected<S>) -> S:
 fn size<S: Simd>(simd: S, vertex: &Projected<S>) -> S::F32s {
     simd.max(simd.abs(vertex.x), simd.abs(vertex.y))
 }
+
+#[cfg(test)]
+mod tests;

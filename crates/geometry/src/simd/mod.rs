@@ -166,8 +166,8 @@ impl AvailableSimd {
     /// The best level that this processor has.
     #[must_use]
     pub fn best() -> Self {
-        let available = SimdLevel::ALL.into_iter().filter_map(SimdLevel::available);
-        available.last().unwrap_or(Self(Available::Portable))
+        let mut available = SimdLevel::ALL.into_iter().filter_map(SimdLevel::available);
+        available.next_back().unwrap_or(Self(Available::Portable))
     }
 
     /// Which level it is.
@@ -190,3 +190,6 @@ impl AvailableSimd {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
