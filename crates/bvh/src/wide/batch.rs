@@ -134,8 +134,12 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
                 let node = bvh.node(index);
                 let slabs = Slabs::new(simd, &self.fused, self.ray.t_min);
                 let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
-                let children = node.children.map(Child::bits);
-                self.stack.push_sorted(simd, start, hits, &children);
+                if H::ORDERED {
+                    let children = node.children.map(Child::bits);
+                    self.stack.push_sorted(simd, start, hits, &children);
+                } else {
+                    self.stack.push_all(simd.bits(hits), &node.children);
+                }
             }
             Kind::Leaf(first_block) => {
                 let leaf = Leaf::<K, H, ()> {

@@ -22,11 +22,7 @@ pub(super) fn nearest_child<S: Simd, H: HitCollector>(
         return node.children[first];
     }
     if !H::ORDERED {
-        let mut rest = rest;
-        while rest != 0 {
-            stack.push(Entry::new(node.children[lane(rest)], 0.0));
-            rest &= rest - 1;
-        }
+        stack.push_all(rest, &node.children);
         return node.children[first];
     }
     let starts = simd.store(start).0;

@@ -110,6 +110,16 @@ impl<'a> Stack<'a> {
         }
     }
 
+    /// Pushes the children of a mask in no order.
+    #[inline(always)]
+    pub(super) fn push_all(&mut self, mut mask: u32, children: &[Child; LANES]) {
+        while mask != 0 {
+            let lane = mask.trailing_zeros() as usize % LANES;
+            self.push(Entry::new(children[lane], 0.0));
+            mask &= mask - 1;
+        }
+    }
+
     /// The next child that may hold something up to `t_max`.
     #[inline(always)]
     pub(super) fn pop_before<H: HitCollector>(&mut self, t_max: f32) -> Option<Child> {
@@ -196,7 +206,7 @@ mod tests {
 
     #[test]
     fn what_is_pushed_last_is_popped_first_and_the_room_is_used_again() {
-        let mut room = [MaybeUninit::uninit(); 3];
+        let mut room = Stack::room();
         let mut stack = Stack::new(&mut room);
         assert!(stack.pop().is_none(), "empty");
         let [a, b, c] = [0.0, 1.0, 2.0].map(|start| Entry::new(Child::inner(4), start));
@@ -210,13 +220,18 @@ mod tests {
     }
 
     #[test]
-    #[should_panic(expected = "out of bounds")]
-    fn more_than_there_is_room_for_is_refused() {
-        let mut room = [MaybeUninit::uninit(); 1];
+    fn the_deepest_tree_has_room() {
+        let mut room = Stack::room();
         let mut stack = Stack::new(&mut room);
-        let entry = Entry::new(Child::inner(0), 0.0);
-        stack.push(entry);
-        stack.push(entry);
+        let all: Vec<Entry> = (0..=(LANES - 1) * MAX_DEPTH + LANES)
+            .map(|index| Entry::new(Child::inner(index), 1.0))
+            .collect();
+        for entry in &all {
+            stack.push(*entry);
+        }
+        let mut popped = popped(&mut stack);
+        popped.reverse();
+        assert_eq!(popped, all);
     }
 
     /// All orders of up to five entries, above others that stay where they are.
@@ -229,7 +244,7 @@ mod tests {
                     .map(|place| (order / 5u32.pow(place) % 5) as f32)
                     .collect();
                 let last = entries(&starts);
-                let mut room = [MaybeUninit::uninit(); 8];
+                let mut room = Stack::room();
                 let mut stack = Stack::new(&mut room);
                 for entry in below.iter().chain(&last) {
                     stack.push(*entry);

@@ -11,8 +11,7 @@ use std::marker::PhantomData;
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Simd, WithSimd};
 use tahko_geometry::{
-    FusedRay, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleBlock,
-    TriangleKernel,
+    FusedRay, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleKernel,
 };
 
 use super::batch::Batch;
