@@ -2,10 +2,9 @@
 //!
 //! A single ray spends most of its time waiting: for the next node to come from memory, for one result of a chain of others, for a
 //! branch that was foreseen wrongly. So a thread has several rays in flight and gives each a step, a node or a leaf, in turn: while one waits the others work. What a ray
-//! needs next is asked for at the end of its step. Children are put in order by a network instead of by branches: that takes longer
-//! for one ray, and less of the processor for many.
+//! needs next is asked for at the end of its step.
 //!
-//! Each ray visits the nodes that it would visit alone, up to the order of children at nearly the same distance, and finds the same hit.
+//! Each ray visits the nodes that it would visit alone, in the same order.
 
 use std::ops::ControlFlow;
 
@@ -14,8 +13,9 @@ use tahko_geometry::simd::{Simd, WithSimd};
 use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
 
 use super::leaf::Leaf;
+use super::order::nearest_child;
 use super::slabs::Slabs;
-use super::stack::{Entry, Stack};
+use super::stack::Stack;
 use super::{Child, Kind, WideBvh};
 
 /// Rays that a thread has in flight.
@@ -38,6 +38,8 @@ struct Flight<'a, K: TriangleKernel, H> {
     filter: K::Block,
     collector: H,
     t_max: f32,
+    /// What it visits next.
+    child: Child,
     stack: Stack<'a>,
 }
 
@@ -98,7 +100,6 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
     fn new(bvh: &WideBvh, index: usize, ray: &'a Ray, mut stack: Stack<'a>) -> Self {
         let fused = FusedRay::new(ray, bvh.size, K::REACH);
         stack.clear();
-        stack.push(Entry::new(bvh.root, ray.t_min));
         Self {
             index,
             ray,
@@ -106,6 +107,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
             filter: K::Block::new(ray, &fused),
             collector: H::new(ray),
             t_max: ray.t_max,
+            child: bvh.root,
             stack,
         }
     }
@@ -120,25 +122,28 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         self.collector = H::new(ray);
         self.t_max = ray.t_max;
         self.stack.clear();
-        self.stack.push(Entry::new(bvh.root, ray.t_min));
+        self.child = bvh.root;
     }
 
     /// Visits one node or leaf. `Break` at the end of the search.
     #[inline(always)]
     fn step<S: Simd>(&mut self, simd: S, bvh: &WideBvh) -> ControlFlow<()> {
-        let Some(child) = self.stack.pop_before::<H>(self.t_max) else {
-            return ControlFlow::Break(());
-        };
-        match child.kind() {
+        let nearest = match self.child.kind() {
             Kind::Inner(index) => {
                 let node = bvh.node(index);
                 let slabs = Slabs::new(simd, &self.fused, self.ray.t_min);
                 let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
-                if H::ORDERED {
-                    let children = node.children.map(Child::bits);
-                    self.stack.push_sorted(simd, start, hits, &children);
+                let hits = simd.bits(hits);
+                if hits == 0 {
+                    self.stack.pop_before::<H>(self.t_max)
                 } else {
-                    self.stack.push_all(simd.bits(hits), &node.children);
+                    Some(nearest_child::<S, H>(
+                        simd,
+                        node,
+                        start,
+                        hits,
+                        &mut self.stack,
+                    ))
                 }
             }
             Kind::Leaf(first_block) => {
@@ -151,11 +156,14 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
                 };
                 simd.outline(leaf)?;
                 self.t_max = self.collector.t_max();
+                self.stack.pop_before::<H>(self.t_max)
             }
-        }
-        if let Some(next) = self.stack.top() {
-            bvh.prefetch(simd, next.child());
-        }
+        };
+        let Some(child) = nearest else {
+            return ControlFlow::Break(());
+        };
+        bvh.prefetch(simd, child);
+        self.child = child;
         ControlFlow::Continue(())
     }
 }

@@ -4,7 +4,7 @@
 use std::mem::MaybeUninit;
 
 use tahko_geometry::HitCollector;
-use tahko_geometry::simd::{LANES, Simd};
+use tahko_geometry::simd::LANES;
 
 use super::Child;
 use crate::build::MAX_DEPTH;
@@ -84,30 +84,6 @@ impl<'a> Stack<'a> {
     #[inline(always)]
     pub(super) fn clear(&mut self) {
         self.len = 0;
-    }
-
-    /// The entry that [`pop`](Self::pop) would give.
-    #[inline(always)]
-    pub(super) fn top(&self) -> Option<Entry> {
-        let last = self.len.checked_sub(1)?;
-        // SAFETY: by the invariant, the entries before the length are written.
-        Some(Entry(unsafe { self.room[last % CAPACITY].assume_init() }))
-    }
-
-    /// Pushes the children of a mask, the one with the smallest key last. There is room for eight, however many are pushed.
-    #[inline(always)]
-    pub(super) fn push_sorted<S: Simd>(
-        &mut self,
-        simd: S,
-        keys: S::F32s,
-        mask: S::Mask,
-        children: &[u32; LANES],
-    ) {
-        let free = &mut self.room[self.len..];
-        if let Some(target) = free.first_chunk_mut() {
-            // All entries up to the new length are written there.
-            self.len += simd.write_sorted(keys, mask, children, target);
-        }
     }
 
     /// Pushes the children of a mask in no order.

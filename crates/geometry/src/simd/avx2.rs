@@ -6,9 +6,8 @@
 )]
 
 use std::arch::x86_64::*;
-use std::mem::MaybeUninit;
 
-use super::{LANES, Lanes, Simd, WithSimd};
+use super::{Lanes, Simd, WithSimd};
 
 /// Shows that the processor has AVX2 and FMA.
 #[derive(Clone, Copy, Debug)]
@@ -45,31 +44,6 @@ fn run<T: WithSimd>(simd: Avx2, algorithm: T) -> T::Output {
 #[inline(never)]
 fn outlined<T: WithSimd>(simd: Avx2, algorithm: T) -> T::Output {
     simd.run(algorithm)
-}
-
-/// Eight integers in descending order: Batcher's network, layer by layer. Each lane is compared with a partner, and keeps the larger number if it comes first;
-/// without a partner it is compared with itself.
-///
-/// Source: Batcher, "Sorting networks and their applications", 1968.
-#[inline]
-#[target_feature(enable = "avx2,fma,bmi1,bmi2,lzcnt,popcnt")]
-fn sort_descending(v: __m256i) -> __m256i {
-    /// The larger number in the lanes that are not in the mask, the smaller one in those that are.
-    macro_rules! exchange {
-        ($v:ident, $partner:expr, $second:literal) => {{
-            let partner = $partner;
-            let larger = _mm256_max_epi32($v, partner);
-            let smaller = _mm256_min_epi32($v, partner);
-            _mm256_blend_epi32::<$second>(larger, smaller)
-        }};
-    }
-    let v = exchange!(v, _mm256_shuffle_epi32::<0b10_11_00_01>(v), 0b1010_1010);
-    let v = exchange!(v, _mm256_shuffle_epi32::<0b01_00_11_10>(v), 0b1100_1100);
-    let v = exchange!(v, _mm256_shuffle_epi32::<0b11_01_10_00>(v), 0b0100_0100);
-    let v = exchange!(v, _mm256_permute4x64_epi64::<0b01_00_11_10>(v), 0b1111_0000);
-    let v = exchange!(v, _mm256_permute4x64_epi64::<0b11_01_10_00>(v), 0b0011_0000);
-    let partners = _mm256_setr_epi32(0, 2, 1, 4, 3, 6, 5, 7);
-    exchange!(v, _mm256_permutevar8x32_epi32(v, partners), 0b0101_0100)
 }
 
 /// Calls an intrinsic of the level.
@@ -159,40 +133,6 @@ impl Simd for Avx2 {
     #[expect(clippy::cast_sign_loss, reason = "the lowest eight bits")]
     fn bits(self, mask: __m256) -> u32 {
         intrinsic!(_mm256_movemask_ps(mask)) as u32
-    }
-    #[inline(always)]
-    fn write_sorted(
-        self,
-        keys: __m256,
-        mask: __m256,
-        items: &[u32; LANES],
-        target: &mut [MaybeUninit<u64>; LANES],
-    ) -> usize {
-        // SAFETY: as for the other intrinsics; the loads and stores are unaligned ones of 32 bytes each, in arrays of 32 and 64 bytes.
-        unsafe {
-            // The lane's number in the lowest bits of the key goes with it; lanes that are not in the mask have the smallest key.
-            let lanes = _mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7);
-            let numbered = _mm256_or_si256(
-                _mm256_andnot_si256(_mm256_set1_epi32(7), _mm256_castps_si256(keys)),
-                lanes,
-            );
-            let unused = _mm256_or_si256(_mm256_set1_epi32(i32::MIN), lanes);
-            let order = _mm256_blendv_ps(
-                _mm256_castsi256_ps(unused),
-                _mm256_castsi256_ps(numbered),
-                mask,
-            );
-            let sorted = sort_descending(_mm256_castps_si256(order));
-            // In the order in which the halves of a register are interleaved below.
-            let places = _mm256_permute4x64_epi64::<0b11_01_10_00>(sorted);
-            let items = _mm256_loadu_si256(items.as_ptr().cast());
-            let items = _mm256_permutevar8x32_epi32(items, places);
-            let keys = _mm256_permutevar8x32_epi32(_mm256_castps_si256(keys), places);
-            let target = target.as_mut_ptr().cast::<__m256i>();
-            _mm256_storeu_si256(target, _mm256_unpacklo_epi32(items, keys));
-            _mm256_storeu_si256(target.add(1), _mm256_unpackhi_epi32(items, keys));
-        }
-        self.bits(mask).count_ones() as usize
     }
     #[inline(always)]
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {

@@ -7,8 +7,6 @@
 //! **Equal bits.** Every operation but [`mul_add`](Simd::mul_add) and its relatives is defined to the last bit, NaN and signed zeros
 //! included, and the same at every level. Those may round once or twice: they are for filters, whose bounds allow both.
 
-use std::mem::MaybeUninit;
-
 #[cfg(target_arch = "x86_64")]
 mod avx2;
 mod portable;
@@ -78,19 +76,6 @@ pub trait Simd: Copy {
     fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Bit `i` for lane `i`.
     fn bits(self, mask: Self::Mask) -> u32;
-
-    /// Writes the lanes of a mask in descending order of their keys: the bits of the key above the item, as one integer each. Returns how many
-    /// there are; what follows them is overwritten too. Keys that differ by less than eight units in the last place may be in any order, and so may negative
-    /// ones.
-    ///
-    /// Takes the same time for all masks, without branches where the level can do without.
-    fn write_sorted(
-        self,
-        keys: Self::F32s,
-        mask: Self::Mask,
-        items: &[u32; LANES],
-        target: &mut [MaybeUninit<u64>; LANES],
-    ) -> usize;
 
     /// Runs a part of an algorithm in a function of its own: what it keeps in registers is not mixed with the rest.
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output;

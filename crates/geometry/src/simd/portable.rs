@@ -1,7 +1,5 @@
 //! The level of every processor: arrays, which the compiler turns into what vectors the architecture is sure to have.
 
-use std::mem::MaybeUninit;
-
 use super::{LANES, Lanes, Simd, WithSimd};
 
 /// The level that every processor has.
@@ -90,31 +88,6 @@ impl Simd for Portable {
     fn bits(self, mask: Self::Mask) -> u32 {
         let lanes = mask.into_iter().enumerate();
         lanes.fold(0, |bits, (lane, is_set)| bits | u32::from(is_set) << lane)
-    }
-    #[inline(always)]
-    fn write_sorted(
-        self,
-        keys: Self::F32s,
-        mask: Self::Mask,
-        items: &[u32; LANES],
-        target: &mut [MaybeUninit<u64>; LANES],
-    ) -> usize {
-        let mut entries = [0; LANES];
-        let mut count = 0;
-        for lane in 0..LANES {
-            if mask[lane] {
-                let entry = u64::from(keys[lane].to_bits()) << 32 | u64::from(items[lane]);
-                let mut place = count;
-                while place > 0 && entries[place - 1] < entry {
-                    entries[place] = entries[place - 1];
-                    place -= 1;
-                }
-                entries[place] = entry;
-                count += 1;
-            }
-        }
-        *target = entries.map(MaybeUninit::new);
-        count
     }
     #[inline(always)]
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {
