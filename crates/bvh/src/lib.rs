@@ -41,6 +41,8 @@ mod bvh;
 mod options;
 mod overlap;
 mod parallel;
+#[cfg(feature = "parallel")]
+mod parallel_queries;
 mod statistics;
 mod validate;
 mod wide;

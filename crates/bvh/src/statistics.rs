@@ -22,7 +22,7 @@ impl Bvh {
             empty_leaves: 0,
             depth: layout.depth,
             references: references.count(),
-            bytes: size_of_val(&*layout.nodes) + size_of_val(&*layout.blocks),
+            bytes: layout.bytes(),
             expected_visits,
             sah_cost: expected_visits.cost(self.inner_node_cost()),
         }

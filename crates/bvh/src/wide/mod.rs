@@ -69,6 +69,11 @@ impl WideBvh {
         self.nodes.len() + leaves
     }
 
+    /// Memory of nodes and triangles, in bytes.
+    pub(crate) fn bytes(&self) -> usize {
+        size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
+    }
+
     /// Asks for the memory of a child that is soon needed.
     #[inline(always)]
     pub(crate) fn prefetch<S: Simd>(&self, simd: S, child: Child) {

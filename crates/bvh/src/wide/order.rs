@@ -9,6 +9,7 @@ use super::{Child, WideNode};
 /// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first.
 #[inline(always)]
 pub(super) fn nearest_child<S: Simd, H: HitCollector>(
+    bvh: &super::WideBvh,
     simd: S,
     node: &WideNode,
     start: S::F32s,
@@ -32,6 +33,7 @@ pub(super) fn nearest_child<S: Simd, H: HitCollector>(
     let rest = rest & (rest - 1);
     if rest == 0 {
         let [near, far] = sorted(a, b);
+        bvh.prefetch(simd, far.child());
         stack.push(far);
         return near.child();
     }
@@ -41,6 +43,7 @@ pub(super) fn nearest_child<S: Simd, H: HitCollector>(
         let [a, b] = sorted(a, b);
         let [b, c] = sorted(b, c);
         let [a, b] = sorted(a, b);
+        bvh.prefetch(simd, b.child());
         stack.push(c);
         stack.push(b);
         return a.child();

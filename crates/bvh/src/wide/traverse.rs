@@ -69,12 +69,12 @@ impl Traverse for Bvh {
 }
 
 /// A traversal and the answer, both with the instructions of the level.
-struct Search<'a, K, H, C> {
-    bvh: &'a WideBvh,
-    ray: &'a Ray,
-    kernel: PhantomData<K>,
-    collector: &'a mut H,
-    counter: &'a mut C,
+pub(super) struct Search<'a, K, H, C> {
+    pub(super) bvh: &'a WideBvh,
+    pub(super) ray: &'a Ray,
+    pub(super) kernel: PhantomData<K>,
+    pub(super) collector: &'a mut H,
+    pub(super) counter: &'a mut C,
 }
 
 impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Search<'_, K, H, C> {
@@ -140,7 +140,9 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
                 let nearest = if hits == 0 {
                     stack.pop_before::<H>(t_max)
                 } else {
-                    Some(nearest_child::<S, H>(simd, node, start, hits, &mut stack))
+                    Some(nearest_child::<S, H>(
+                        bvh, simd, node, start, hits, &mut stack,
+                    ))
                 };
                 match nearest {
                     Some(child) => current = child,

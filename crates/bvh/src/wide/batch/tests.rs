@@ -1,0 +1,98 @@
+use proptest::prelude::*;
+use tahko_geometry::simd::SimdLevel;
+use tahko_geometry::test_support::{invalid_rays, mesh, ray, rays_at_features};
+use tahko_geometry::{
+    AnyHit, ClosestHit, Exact, Hit, MollerTrumbore, Precision, RayQuery, TriangleMesh, Woop,
+};
+
+use super::*;
+use crate::{Bvh, BvhOptions};
+
+/// The searches of a batch in turns, whatever the size of the tree.
+fn in_turns<K: TriangleKernel, H: HitCollector>(bvh: &Bvh, rays: &[Ray]) -> Vec<H::Answer>
+where
+    H::Answer: Clone + Default,
+{
+    let mut answers = vec![H::Answer::default(); rays.len()];
+    bvh.simd().dispatch(Turns(Batch::<K, H> {
+        bvh: bvh.layout(),
+        rays,
+        answers: &mut answers,
+        kernel: PhantomData,
+    }));
+    answers
+}
+
+fn check<K: TriangleKernel>(mesh: &TriangleMesh, rays: &[Ray], precision: Precision) {
+    let options = BvhOptions::default().with_precision(precision);
+    let bvh = Bvh::build(mesh, &options).expect("options in range");
+    for level in SimdLevel::ALL
+        .into_iter()
+        .filter(|level| level.is_available())
+    {
+        let bvh = bvh
+            .clone()
+            .with_simd(level)
+            .expect("the level is available");
+        let closest: Vec<Option<Hit>> = rays.iter().map(|ray| bvh.closest_hit(ray)).collect();
+        let any: Vec<bool> = rays.iter().map(|ray| bvh.any_hit(ray)).collect();
+        assert_eq!(in_turns::<K, ClosestHit>(&bvh, rays), closest, "{level:?}");
+        assert_eq!(in_turns::<K, AnyHit>(&bvh, rays), any, "{level:?}");
+        let mut hits = vec![None; rays.len()];
+        bvh.closest_hits(rays, &mut hits);
+        assert_eq!(hits, closest, "{level:?}");
+        let mut found = vec![false; rays.len()];
+        bvh.any_hits(rays, &mut found);
+        assert_eq!(found, any, "{level:?}");
+    }
+}
+
+fn check_all_precisions(mesh: &TriangleMesh, rays: &[Ray]) {
+    check::<MollerTrumbore>(mesh, rays, Precision::Fast);
+    check::<Woop>(mesh, rays, Precision::Watertight);
+    check::<Exact>(mesh, rays, Precision::Exact);
+}
+
+proptest! {
+    #[test]
+    fn a_batch_answers_as_single_rays_do(mesh in mesh(), rays in prop::collection::vec(ray(), 0..60)) {
+        check_all_precisions(&mesh, &rays);
+    }
+
+    #[test]
+    fn rays_at_features_are_answered_as_single_rays_are(mesh in mesh()) {
+        let rays: Vec<Ray> = rays_at_features(&mesh).into_iter().take(100).collect();
+        check_all_precisions(&mesh, &rays);
+    }
+}
+
+#[test]
+fn rays_that_are_not_valid_hit_nothing_and_keep_their_places() {
+    let mesh = tahko_geometry::test_support::soup(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 20]);
+    let good = Ray::new(Vec3::new(0.25, 0.25, 1.0), Vec3::NEG_Z);
+    let rays: Vec<Ray> = invalid_rays(good)
+        .into_iter()
+        .flat_map(|bad| [bad, good, bad])
+        .collect();
+    check_all_precisions(&mesh, &rays);
+    check_all_precisions(&TriangleMesh::default(), &rays);
+}
+
+#[test]
+fn a_fan_of_rays_is_coherent_and_scattered_rays_are_not() {
+    let fan: Vec<Ray> = (0..100u8)
+        .map(|i| Ray::new(Vec3::ZERO, Vec3::new(f32::from(i) * 0.001, 0.0, 1.0)))
+        .collect();
+    assert!(are_coherent(&fan, 1.0), "neighbours go the same way");
+    let scattered: Vec<Ray> = (0..100u8)
+        .map(|i| {
+            Ray::new(
+                Vec3::ZERO,
+                Vec3::new(f32::from(u16::from(i) * 37 % 100) - 50.0, 20.0, 1.0),
+            )
+        })
+        .collect();
+    assert!(!are_coherent(&scattered, 1.0), "neighbours go other ways");
+    assert!(!are_coherent(&fan[..1], 1.0), "no neighbours");
+    assert!(!are_coherent(&[], 1.0), "no rays");
+}
