@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Parser, ValueEnum};
 use tahko_tracer::accelerator::StructureKind;
 use tahko_tracer::geometry::Precision;
+use tahko_tracer::geometry::simd::SimdLevel;
 
 use crate::report::RayClass;
 use crate::structures::{Interface, Preset};
@@ -55,14 +56,9 @@ pub(crate) struct Arguments {
     /// Precisions
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = precision)]
     pub(crate) precision: Vec<Precision>,
-    /// Instruction sets of the traversal
-    #[arg(
-        long,
-        value_name = "LIST",
-        value_delimiter = ',',
-        default_value = "scalar"
-    )]
-    pub(crate) simd: Vec<Simd>,
+    /// Instructions of the traversal, for structures that have a choice [default: the best that the processor has]
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = simd)]
+    pub(crate) simd: Vec<SimdLevel>,
     /// Ways of handing rays over
     #[arg(
         long,
@@ -120,13 +116,6 @@ impl std::fmt::Display for Section {
             Self::Claims => "claims",
         })
     }
-}
-
-/// Instruction sets that a traversal can be asked to use.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub(crate) enum Simd {
-    /// None beyond what every processor of the architecture has.
-    Scalar,
 }
 
 /// Other libraries to measure beside ours.
@@ -187,6 +176,10 @@ fn structure(name: &str) -> Result<StructureKind, String> {
 
 fn precision(name: &str) -> Result<Precision, String> {
     named(name, &Precision::ALL, Precision::name)
+}
+
+fn simd(name: &str) -> Result<SimdLevel, String> {
+    named(name, &SimdLevel::ALL, SimdLevel::name)
 }
 
 fn class(name: &str) -> Result<RayClass, String> {
@@ -259,6 +252,6 @@ mod tests {
             "{error}"
         );
         let error = parse(&["--simd", "sse"]).unwrap_err().to_string();
-        assert!(error.contains("scalar"), "{error}");
+        assert!(error.contains("portable"), "{error}");
     }
 }

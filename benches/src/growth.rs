@@ -8,9 +8,11 @@ use tahko_bench::audit::Closest;
 use tahko_geometry::oracle::Oracle;
 use tahko_tracer::accelerator::{Accelerator, StructureKind};
 use tahko_tracer::generate::Generator;
+use tahko_tracer::geometry::simd::AvailableSimd;
 use tahko_tracer::geometry::{Precision, QueryCounts, Ray, RayQuery, TriangleMesh};
 
 use crate::report::{Contender, GrowthCurve, GrowthPoint, Sample};
+use crate::structures::simd_name;
 use crate::{check, errors, fit, generated};
 
 const STRUCTURES: [StructureKind; 3] = [
@@ -91,7 +93,7 @@ fn curve(generator: Generator, kind: StructureKind, points: Vec<GrowthPoint>) ->
             structure: kind.name().to_owned(),
             preset: "balanced".to_owned(),
             precision: Precision::default().name().to_owned(),
-            simd: "scalar".to_owned(),
+            simd: simd_name(kind, AvailableSimd::best().level()).to_owned(),
             interface: "single".to_owned(),
         },
         build_exponent: exponent(|point| point.build_seconds),

@@ -7,6 +7,7 @@ use anyhow::{Context, Result, ensure};
 use tahko_tracer::accelerator::StructureKind;
 use tahko_tracer::generate::Generator;
 use tahko_tracer::geometry::Precision;
+use tahko_tracer::geometry::simd::AvailableSimd;
 use tahko_tracer::load::load_scene;
 use tahko_tracer::scene::Scene;
 
@@ -254,12 +255,21 @@ fn files(arguments: &Arguments) -> Result<Vec<PathBuf>> {
 /// Everything that is built over each scene.
 fn recipes(arguments: &Arguments) -> Result<Vec<Box<dyn Recipe>>> {
     let precisions = or_all(&arguments.precision, &Precision::ALL);
+    let levels = or_all(&arguments.simd, &[AvailableSimd::best().level()]);
+    for level in &levels {
+        ensure!(
+            level.is_available(),
+            "this processor has no {}",
+            level.name()
+        );
+    }
     let mut recipes: Vec<Box<dyn Recipe>> = Vec::new();
     for kind in or_all(&arguments.structures, &StructureKind::ALL) {
         for preset in &arguments.presets {
             let structure = Structure::new(kind, *preset, &precisions, &arguments.interfaces);
             let is_named = !arguments.structures.is_empty();
-            let structure = structure.map(|structure| structure.named(is_named));
+            let structure =
+                structure.map(|structure| structure.named(is_named).with_levels(&levels));
             recipes.extend(structure.map(|structure| Box::new(structure) as Box<dyn Recipe>));
         }
     }

@@ -3,12 +3,13 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use anyhow::Result;
+use anyhow::{Context, Result};
 use clap::ValueEnum;
 use tahko_bsp::{BspOptions, BspTree};
 use tahko_bvh::{Bvh, BvhOptions};
 use tahko_kdtree::{KdTree, KdTreeOptions};
 use tahko_tracer::accelerator::StructureKind;
+use tahko_tracer::geometry::simd::{AvailableSimd, SimdLevel};
 use tahko_tracer::geometry::{
     BruteForce, Hit, Precision, Ray, RayQuery, TreeStatistics, TriangleMesh,
 };
@@ -66,8 +67,13 @@ pub(crate) struct Structure {
     preset: Preset,
     precisions: Vec<Precision>,
     interfaces: Vec<Interface>,
+    /// Instructions of the traversal, for a structure that has a choice.
+    levels: Vec<SimdLevel>,
     is_named: bool,
 }
+
+/// The name of the instructions of structures that have no choice.
+const SCALAR: &str = "scalar";
 
 impl Structure {
     /// `None` if the structure has no such preset. There are precisions and interfaces.
@@ -87,8 +93,24 @@ impl Structure {
             preset,
             precisions: precisions.to_vec(),
             interfaces: interfaces.to_vec(),
+            levels: vec![AvailableSimd::best().level()],
             is_named: false,
         })
+    }
+
+    /// Asked with some instructions, all of which the processor has, in place of the best ones.
+    pub(crate) fn with_levels(mut self, levels: &[SimdLevel]) -> Self {
+        self.levels = levels.to_vec();
+        self
+    }
+
+    /// The instructions that it is asked with; one entry for a structure that has no choice.
+    fn levels(&self) -> &[SimdLevel] {
+        if self.kind == StructureKind::Bvh {
+            &self.levels
+        } else {
+            &[SimdLevel::Portable]
+        }
     }
 
     /// Tells whether the user asked for it by name, and so for its time.
@@ -109,27 +131,29 @@ impl Structure {
         })
     }
 
-    /// The tree for each precision and interface.
+    /// The tree for each precision, level and interface.
     fn contenders<T>(
         &self,
         tree: &T,
-        with_precision: fn(T, Precision) -> T,
-    ) -> Vec<Box<dyn Contender>>
+        asked_with: fn(T, Precision, SimdLevel) -> Result<T>,
+    ) -> Result<Vec<Box<dyn Contender>>>
     where
         T: RayQuery + Clone + Send + 'static,
     {
         let mut contenders: Vec<Box<dyn Contender>> = Vec::new();
         for precision in &self.precisions {
-            let structure = Arc::new(with_precision(tree.clone(), *precision));
-            for interface in &self.interfaces {
-                let structure = Arc::clone(&structure);
-                contenders.push(match interface {
-                    Interface::Single => Box::new(Single(structure)),
-                    Interface::Batch => Box::new(Batch(structure)),
-                });
+            for level in self.levels() {
+                let structure = Arc::new(asked_with(tree.clone(), *precision, *level)?);
+                for interface in &self.interfaces {
+                    let structure = Arc::clone(&structure);
+                    contenders.push(match interface {
+                        Interface::Single => Box::new(Single(structure)),
+                        Interface::Batch => Box::new(Batch(structure)),
+                    });
+                }
             }
         }
-        contenders
+        Ok(contenders)
     }
 }
 
@@ -149,43 +173,49 @@ impl Recipe for Structure {
     }
 
     fn names(&self) -> Vec<report::Contender> {
-        let name = |precision: Precision, interface: Interface| report::Contender {
-            library: LIBRARY.to_owned(),
-            structure: self.kind.name().to_owned(),
-            preset: self.preset.name().to_owned(),
-            precision: precision.name().to_owned(),
-            simd: "scalar".to_owned(),
-            interface: interface.name().to_owned(),
-        };
-        let precisions = self.precisions.iter();
-        precisions
-            .flat_map(|precision| {
-                self.interfaces
-                    .iter()
-                    .map(|interface| name(*precision, *interface))
-            })
-            .collect()
+        let mut names = Vec::new();
+        for precision in &self.precisions {
+            for level in self.levels() {
+                for interface in &self.interfaces {
+                    names.push(report::Contender {
+                        library: LIBRARY.to_owned(),
+                        structure: self.kind.name().to_owned(),
+                        preset: self.preset.name().to_owned(),
+                        precision: precision.name().to_owned(),
+                        simd: simd_name(self.kind, *level).to_owned(),
+                        interface: interface.name().to_owned(),
+                    });
+                }
+            }
+        }
+        names
     }
 
     fn build(&self, mesh: &TriangleMesh, _threads: usize) -> Result<Built> {
         let tree = self.tree(mesh)?;
         let (contenders, statistics) = match &tree {
             Tree::Brute(tree) => (
-                self.contenders(tree, BruteForce::with_precision),
+                self.contenders(
+                    tree,
+                    |tree, precision, _| Ok(tree.with_precision(precision)),
+                )?,
                 tree.statistics(),
             ),
             Tree::Bsp(tree) => (
-                self.contenders(tree, BspTree::with_precision),
+                self.contenders(
+                    tree,
+                    |tree, precision, _| Ok(tree.with_precision(precision)),
+                )?,
                 tree.statistics(),
             ),
             Tree::KdTree(tree) => (
-                self.contenders(tree, KdTree::with_precision),
+                self.contenders(
+                    tree,
+                    |tree, precision, _| Ok(tree.with_precision(precision)),
+                )?,
                 tree.statistics(),
             ),
-            Tree::Bvh(tree) => (
-                self.contenders(tree, Bvh::with_precision),
-                tree.statistics(),
-            ),
+            Tree::Bvh(tree) => (self.contenders(tree, bvh_asked_with)?, tree.statistics()),
         };
         let end_point_overlap = match &tree {
             Tree::Bvh(tree) => {
@@ -210,6 +240,19 @@ impl Recipe for Structure {
         drop(tree);
         Ok(seconds)
     }
+}
+
+/// The name of the instructions that a structure is asked with.
+pub(crate) const fn simd_name(kind: StructureKind, level: SimdLevel) -> &'static str {
+    match kind {
+        StructureKind::Bvh => level.name(),
+        StructureKind::Brute | StructureKind::Bsp | StructureKind::KdTree => SCALAR,
+    }
+}
+
+fn bvh_asked_with(bvh: Bvh, precision: Precision, level: SimdLevel) -> Result<Bvh> {
+    let bvh = bvh.with_precision(precision).with_simd(level);
+    bvh.with_context(|| format!("this processor has no {}", level.name()))
 }
 
 enum Tree {
