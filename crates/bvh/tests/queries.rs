@@ -114,7 +114,7 @@ fn degenerate_meshes_build_and_answer_like_brute_force() {
         let mut rays = rays_at_features(&mesh);
         rays.extend(rays_along_axes(&mesh));
         // Some of the meshes have thousands of features that differ in nothing.
-        let step = rays.len().div_ceil(500).max(1);
+        let step = rays.len().div_ceil(250).max(1);
         let rays: Vec<Ray> = rays.into_iter().step_by(step).collect();
         check(name, &mesh, &rays);
     }

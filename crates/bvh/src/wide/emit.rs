@@ -38,7 +38,7 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
     let mut emitter = Emitter {
         tree,
         nodes: Vec::new(),
-        blocks: Vec::from([0..0]),
+        blocks: std::iter::once(0..0).collect(),
         numbers: Vec::with_capacity(tree.references.len()),
         continues: vec![false],
     };
