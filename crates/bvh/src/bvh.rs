@@ -113,7 +113,7 @@ mod tests {
         for (options, expected) in [
             (BvhOptions::fast(), 0x54eb_0616_aaa3_4adb),
             (BvhOptions::balanced(), 0x0217_965d_5a70_e8d9),
-            (BvhOptions::high_quality(), 0xe4da_59a0_0605_11b7),
+            (BvhOptions::high_quality(), 0x913c_9df5_3c2a_55e2),
         ] {
             let bvh = Bvh::build(&mesh, &options).expect("options in range");
             let found = fingerprint(bvh.layout());

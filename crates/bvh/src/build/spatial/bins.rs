@@ -138,18 +138,6 @@ impl<const N: usize> Grid<N> {
         )]
         [x, y, z].map(|position| position as i32 as usize)
     }
-
-    #[inline]
-    fn bin(&self, axis: usize, position: f32) -> usize {
-        let position = (position - self.origin[axis]) * self.factor[axis];
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "saturates at 0; the caller has an upper bound"
-        )]
-        let bin = position as u32;
-        bin as usize
-    }
 }
 
 struct Bins<const N: usize> {
@@ -174,7 +162,6 @@ impl<const N: usize> Bins<N> {
             exits: [0; N],
         };
         let mut axes = [empty; 3];
-        let mut pieces = [Bounds::EMPTY; N];
         for reference in references {
             let bounds = reference.bounds();
             let first = grid.bins(bounds.lower());
@@ -195,9 +182,9 @@ impl<const N: usize> Bins<N> {
                 // The axis as a constant: lanes are chosen by the instruction.
                 let (bins, span) = (&mut bins.bounds, first..last + 1);
                 match axis {
-                    0 => add_pieces::<0, N>(bins, corners, &bounds, grid, span, &mut pieces),
-                    1 => add_pieces::<1, N>(bins, corners, &bounds, grid, span, &mut pieces),
-                    _ => add_pieces::<2, N>(bins, corners, &bounds, grid, span, &mut pieces),
+                    0 => add_pieces::<0, N>(bins, corners, &bounds, grid, span),
+                    1 => add_pieces::<1, N>(bins, corners, &bounds, grid, span),
+                    _ => add_pieces::<2, N>(bins, corners, &bounds, grid, span),
                 }
             }
         }
@@ -236,9 +223,10 @@ impl<const N: usize> AxisBins<N> {
     }
 }
 
-/// Adds the pieces of the part of a triangle in a box to the bins between whose planes they lie. The box of a piece is that of the points where the
-/// planes and the ends of the box on this axis cut the edges, and of the vertices between, as far as it is in the box. The scratch space is
-/// empty before and after.
+/// Adds the pieces of the part of a triangle in a box to the bins between whose planes they lie.
+///
+/// The box of a piece is that of the points where the planes and the ends of the box on this axis cut the edges, and of the vertices between, as far as it is in
+/// the box. Masks stand for branches, which nobody could predict.
 #[inline]
 fn add_pieces<const AXIS: usize, const N: usize>(
     bins: &mut [Bounds; N],
@@ -246,45 +234,87 @@ fn add_pieces<const AXIS: usize, const N: usize>(
     bounds: &Bounds,
     grid: &Grid<N>,
     span: Range<usize>,
-    pieces: &mut [Bounds; N],
 ) {
+    let triangle = Edges::<AXIS>::new(corners);
     let (start, end) = (bounds.lower()[AXIS], bounds.upper()[AXIS]);
-    let (first, last) = (span.start, span.end - 1);
-    let bin_of = |position: f32| grid.bin(AXIS, position).clamp(first, last);
-    for edge in 0..3 {
-        let (mut from, mut to) = (corners[edge], corners[(edge + 1) % 3]);
-        if from[AXIS] > to[AXIS] {
-            (from, to) = (to, from);
-        }
-        let (low, high) = (from[AXIS], to[AXIS]);
-        if high < start || low > end {
-            continue;
-        }
-        let slope = (to - from) / (high - low);
-        let point = |position: f32| from + slope * (position - low);
-        let (begin, from) = if low < start {
-            (first, point(start))
+    let [least, most] = triangle.ends();
+    let mut low = start;
+    let mut before = if least < start {
+        triangle.cut(start)
+    } else {
+        Bounds::EMPTY
+    };
+    for bin in span.clone() {
+        let is_last = bin + 1 == span.end;
+        let high = if is_last {
+            end
         } else {
-            (bin_of(low), from)
+            grid.plane(AXIS, bin + 1)
         };
-        let (stop, to) = if high > end {
-            (last, point(end))
+        let after = if is_last && most <= end {
+            Bounds::EMPTY
         } else {
-            (bin_of(high), to)
+            triangle.cut(high)
         };
-        pieces[begin].add_point(from);
-        for bin in begin + 1..=stop {
-            let cut = point(grid.plane(AXIS, bin));
-            pieces[bin - 1].add_point(cut);
-            pieces[bin].add_point(cut);
-        }
-        pieces[stop].add_point(to);
-    }
-    for bin in span {
-        let piece = pieces[bin].intersection(*bounds);
-        pieces[bin] = Bounds::EMPTY;
+        let vertices = triangle.vertices_between(low, high);
+        let piece = before.union(after).union(vertices).intersection(*bounds);
         if !piece.is_empty() {
             bins[bin] = bins[bin].union(piece);
         }
+        (low, before) = (high, after);
+    }
+}
+
+/// A triangle that is cut by planes across an axis.
+struct Edges<'a, const AXIS: usize> {
+    corners: &'a [Vec4; 3],
+    /// The coordinates of the corners on the axis, in all lanes.
+    positions: [Vec4; 3],
+    /// From each corner to the next, for a step of one along the axis; not finite for edges across it.
+    slopes: [Vec4; 3],
+}
+
+impl<'a, const AXIS: usize> Edges<'a, AXIS> {
+    #[inline]
+    fn new(corners: &'a [Vec4; 3]) -> Self {
+        let [a, b, c] = *corners;
+        Self {
+            corners,
+            positions: [a, b, c].map(|corner| Vec4::splat(corner[AXIS])),
+            slopes: [b - a, c - b, a - c].map(|edge| edge / edge[AXIS]),
+        }
+    }
+
+    /// The smallest and the largest coordinate on the axis.
+    #[inline]
+    fn ends(&self) -> [f32; 2] {
+        let [a, b, c] = self.positions;
+        [a.min(b).min(c).x, a.max(b).max(c).x]
+    }
+
+    /// The box of the points where a plane cuts edges.
+    #[inline]
+    fn cut(&self, plane: f32) -> Bounds {
+        let plane = Vec4::splat(plane);
+        let is_before = self.positions.map(|position| position.cmplt(plane));
+        let mut cut = Bounds::EMPTY;
+        for edge in 0..3 {
+            let crosses = is_before[edge] ^ is_before[(edge + 1) % 3];
+            let step = plane - self.positions[edge];
+            cut.add_point_if(crosses, self.corners[edge] + self.slopes[edge] * step);
+        }
+        cut
+    }
+
+    /// The box of the corners between two planes or in one of them.
+    #[inline]
+    fn vertices_between(&self, low: f32, high: f32) -> Bounds {
+        let (low, high) = (Vec4::splat(low), Vec4::splat(high));
+        let mut vertices = Bounds::EMPTY;
+        for (corner, position) in self.corners.iter().zip(self.positions) {
+            let is_between = position.cmpge(low) & position.cmple(high);
+            vertices.add_point_if(is_between, *corner);
+        }
+        vertices
     }
 }
