@@ -113,7 +113,7 @@ mod tests {
         for (options, expected) in [
             (BvhOptions::fast(), 0x54eb_0616_aaa3_4adb),
             (BvhOptions::balanced(), 0x0217_965d_5a70_e8d9),
-            (BvhOptions::high_quality(), 0x913c_9df5_3c2a_55e2),
+            (BvhOptions::high_quality(), 0x2401_6d31_46d8_6bc8),
         ] {
             let bvh = Bvh::build(&mesh, &options).expect("options in range");
             let found = fingerprint(bvh.layout());

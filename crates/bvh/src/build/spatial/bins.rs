@@ -1,12 +1,11 @@
 //! Candidates for spatial splits: planes between bins of equal width, and the boxes of what is on each side.
 
-use std::ops::Range;
-
 use tahko_geometry::{
     TriangleMesh,
     glam::{Vec3, Vec4},
 };
 
+use super::pieces;
 use crate::build::reference::{Bounds, Reference};
 use crate::parallel::reduce;
 
@@ -97,7 +96,7 @@ fn best_of<const N: usize>(
 
 /// Bins of equal width over the box of a node on each axis. Positions are rounded: what is near a plane may be counted on its other side, which
 /// steers the build and decides nothing else.
-struct Grid<const N: usize> {
+pub(super) struct Grid<const N: usize> {
     origin: Vec4,
     width: Vec4,
     factor: Vec4,
@@ -118,7 +117,8 @@ impl<const N: usize> Grid<N> {
     }
 
     /// The plane before a bin.
-    fn plane(&self, axis: usize, bin: usize) -> f32 {
+    #[inline]
+    pub(super) fn plane(&self, axis: usize, bin: usize) -> f32 {
         #[expect(clippy::cast_precision_loss, reason = "at most 16")]
         let bin = bin as f32;
         self.origin[axis] + bin * self.width[axis]
@@ -182,9 +182,9 @@ impl<const N: usize> Bins<N> {
                 // The axis as a constant: lanes are chosen by the instruction.
                 let (bins, span) = (&mut bins.bounds, first..last + 1);
                 match axis {
-                    0 => add_pieces::<0, N>(bins, corners, &bounds, grid, span),
-                    1 => add_pieces::<1, N>(bins, corners, &bounds, grid, span),
-                    _ => add_pieces::<2, N>(bins, corners, &bounds, grid, span),
+                    0 => pieces::add::<0, N>(bins, corners, &bounds, grid, span),
+                    1 => pieces::add::<1, N>(bins, corners, &bounds, grid, span),
+                    _ => pieces::add::<2, N>(bins, corners, &bounds, grid, span),
                 }
             }
         }
@@ -220,101 +220,5 @@ impl<const N: usize> AxisBins<N> {
             let splits = before.count > 0 && behind[bin].count > 0;
             splits.then_some((bin, [before, behind[bin]]))
         })
-    }
-}
-
-/// Adds the pieces of the part of a triangle in a box to the bins between whose planes they lie.
-///
-/// The box of a piece is that of the points where the planes and the ends of the box on this axis cut the edges, and of the vertices between, as far as it is in
-/// the box. Masks stand for branches, which nobody could predict.
-#[inline]
-fn add_pieces<const AXIS: usize, const N: usize>(
-    bins: &mut [Bounds; N],
-    corners: &[Vec4; 3],
-    bounds: &Bounds,
-    grid: &Grid<N>,
-    span: Range<usize>,
-) {
-    let triangle = Edges::<AXIS>::new(corners);
-    let (start, end) = (bounds.lower()[AXIS], bounds.upper()[AXIS]);
-    let [least, most] = triangle.ends();
-    let mut low = start;
-    let mut before = if least < start {
-        triangle.cut(start)
-    } else {
-        Bounds::EMPTY
-    };
-    for bin in span.clone() {
-        let is_last = bin + 1 == span.end;
-        let high = if is_last {
-            end
-        } else {
-            grid.plane(AXIS, bin + 1)
-        };
-        let after = if is_last && most <= end {
-            Bounds::EMPTY
-        } else {
-            triangle.cut(high)
-        };
-        let vertices = triangle.vertices_between(low, high);
-        let piece = before.union(after).union(vertices).intersection(*bounds);
-        if !piece.is_empty() {
-            bins[bin] = bins[bin].union(piece);
-        }
-        (low, before) = (high, after);
-    }
-}
-
-/// A triangle that is cut by planes across an axis.
-struct Edges<'a, const AXIS: usize> {
-    corners: &'a [Vec4; 3],
-    /// The coordinates of the corners on the axis, in all lanes.
-    positions: [Vec4; 3],
-    /// From each corner to the next, for a step of one along the axis; not finite for edges across it.
-    slopes: [Vec4; 3],
-}
-
-impl<'a, const AXIS: usize> Edges<'a, AXIS> {
-    #[inline]
-    fn new(corners: &'a [Vec4; 3]) -> Self {
-        let [a, b, c] = *corners;
-        Self {
-            corners,
-            positions: [a, b, c].map(|corner| Vec4::splat(corner[AXIS])),
-            slopes: [b - a, c - b, a - c].map(|edge| edge / edge[AXIS]),
-        }
-    }
-
-    /// The smallest and the largest coordinate on the axis.
-    #[inline]
-    fn ends(&self) -> [f32; 2] {
-        let [a, b, c] = self.positions;
-        [a.min(b).min(c).x, a.max(b).max(c).x]
-    }
-
-    /// The box of the points where a plane cuts edges.
-    #[inline]
-    fn cut(&self, plane: f32) -> Bounds {
-        let plane = Vec4::splat(plane);
-        let is_before = self.positions.map(|position| position.cmplt(plane));
-        let mut cut = Bounds::EMPTY;
-        for edge in 0..3 {
-            let crosses = is_before[edge] ^ is_before[(edge + 1) % 3];
-            let step = plane - self.positions[edge];
-            cut.add_point_if(crosses, self.corners[edge] + self.slopes[edge] * step);
-        }
-        cut
-    }
-
-    /// The box of the corners between two planes or in one of them.
-    #[inline]
-    fn vertices_between(&self, low: f32, high: f32) -> Bounds {
-        let (low, high) = (Vec4::splat(low), Vec4::splat(high));
-        let mut vertices = Bounds::EMPTY;
-        for (corner, position) in self.corners.iter().zip(self.positions) {
-            let is_between = position.cmpge(low) & position.cmple(high);
-            vertices.add_point_if(is_between, *corner);
-        }
-        vertices
     }
 }

@@ -26,6 +26,7 @@
 mod bins;
 mod clip;
 mod cut;
+mod pieces;
 
 use tahko_geometry::{Axis, TriangleMesh};
 
