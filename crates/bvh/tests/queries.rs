@@ -108,6 +108,43 @@ proptest! {
     }
 }
 
+/// Many small triangles and a few that reach across them, all on a grid, so that splitting planes pass through vertices.
+fn long_among_small() -> impl Strategy<Value = TriangleMesh> {
+    let corner = |size: i16| prop::array::uniform3(-size..=size).prop_map(grid_point);
+    let triangles = move |along: i16, across: i16, count| {
+        let triangle = (corner(64), corner(along), corner(across))
+            .prop_map(|(start, along, across)| [start, start + along, start + across]);
+        prop::collection::vec(triangle, count)
+    };
+    (triangles(2, 2, 100..250), triangles(96, 4, 4..16))
+        .prop_map(|(small, long)| tahko_geometry::test_support::soup([small, long].concat()))
+}
+
+fn grid_point(coordinates: [i16; 3]) -> Vec3 {
+    Vec3::from(coordinates.map(f32::from)) / 16.0
+}
+
+proptest! {
+    // Few are rejected: nearly all such meshes have triangles that are worth a split.
+    #![proptest_config(ProptestConfig { max_global_rejects: 32, ..ProptestConfig::with_cases(32) })]
+
+    #[test]
+    fn triangles_in_several_leaves_answer_like_brute_force(
+        mesh in long_among_small(),
+        budget in 1.1f64..2.0,
+        start in any::<prop::sample::Index>(),
+        mut rays in prop::collection::vec(ray(), 20),
+    ) {
+        let features = rays_at_features(&mesh);
+        let start = start.index(features.len());
+        rays.extend(features.into_iter().skip(start).take(100));
+        let options = BvhOptions::high_quality().with_spatial_split_budget(budget);
+        let bvh = Bvh::build(&mesh, &options).expect("options in range");
+        prop_assume!(bvh.statistics().references > mesh.len(), "no spatial split");
+        check_one("long triangles", &mesh, &rays, &("high quality", options));
+    }
+}
+
 #[test]
 fn degenerate_meshes_build_and_answer_like_brute_force() {
     for (name, mesh) in degenerate_meshes() {

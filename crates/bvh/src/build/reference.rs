@@ -2,7 +2,7 @@
 
 use tahko_geometry::{
     Aabb, Triangle, TriangleMesh,
-    glam::{Vec3, Vec4, Vec4Swizzles},
+    glam::{BVec4A, Vec3, Vec4, Vec4Swizzles},
 };
 
 /// The fourth lane of a reference holds the triangle's number under this bit, which makes it a normal
@@ -82,6 +82,15 @@ impl Bounds {
     pub(super) fn add_point(&mut self, point: Vec4) {
         self.lower = self.lower.min(point);
         self.upper = self.upper.max(point);
+    }
+
+    /// Adds a point where a mask, of equal lanes, is set.
+    #[inline]
+    pub(super) fn add_point_if(&mut self, mask: BVec4A, point: Vec4) {
+        self.lower = self.lower.min(Vec4::select(mask, point, Vec4::INFINITY));
+        self.upper = self
+            .upper
+            .max(Vec4::select(mask, point, Vec4::NEG_INFINITY));
     }
 
     #[inline]
