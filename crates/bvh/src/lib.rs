@@ -48,5 +48,5 @@ mod traverse;
 mod validate;
 
 pub use bvh::Bvh;
-pub use options::{BuildError, BvhOptions};
+pub use options::{BuildError, BuildMethod, BvhOptions};
 pub use validate::{Content, ValidationError};
