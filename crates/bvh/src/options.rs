@@ -39,9 +39,10 @@ pub struct BvhOptions {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum BuildMethod {
-    /// Neighbours on a space-filling curve merge into clusters, bottom up; the clusters are split top down.
+    /// Neighbours on a space-filling curve merge into clusters, bottom up; the clusters are split top down. The costs do not
+    /// matter to the build, only to what is made of its tree.
     Clusters,
-    /// Nodes are split top down by the surface area heuristic.
+    /// Nodes are split top down where the surface area heuristic finds it cheapest.
     TopDown,
 }
 

@@ -14,7 +14,7 @@ use tahko_geometry::{Triangle, TriangleMesh};
 
 use super::node::{BuildNode, Link, Shift};
 use super::reference::{Bounds, CentroidScale};
-use super::{TriangleNumber, join, morton};
+use super::{LEAF_SIZE, TriangleNumber, join, morton};
 use crate::BvhOptions;
 use crate::parallel::map_range;
 
@@ -24,6 +24,10 @@ const CHUNK: usize = 2048;
 /// Clustering in a chunk ends when this part of the triangles is left as clusters.
 const SHRINK: usize = 16;
 
+/// What a node costs below the size of a leaf, in tests of a leaf. Less than a visit: the layout joins nodes of few children,
+/// so all that another node takes is a place among eight.
+const NODE_COST: f32 = 0.3;
+
 /// The most rounds of clustering. Each makes a cluster at most one level deeper, and usually a third fewer; where it does
 /// not (triangles nested in geometric progression), more clusters are left to the build from the top.
 pub(super) const MAX_ROUNDS: usize = 12;
@@ -31,10 +35,7 @@ pub(super) const MAX_ROUNDS: usize = 12;
 /// The nodes of the tree of a mesh with at least one triangle, and the triangles in the order of the leaves.
 ///
 /// Cost: O(n) time for the clusters and O(m log m) for the m clusters.
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "leaf sizes are at most 255; costs are compared with costs in f32"
-)]
+#[expect(clippy::cast_possible_truncation, reason = "at most 4")]
 pub(super) fn build(
     mesh: &TriangleMesh,
     options: &BvhOptions,
@@ -44,8 +45,7 @@ pub(super) fn build(
         mesh,
         numbers: &numbers,
         scale,
-        max_leaf_size: options.max_leaf_size as u32,
-        traversal_cost: (options.traversal_cost / options.intersection_cost) as f32,
+        max_leaf_size: options.max_leaf_size.min(LEAF_SIZE) as u32,
     };
     let chunks = map_range(numbers.len().div_ceil(CHUNK), |chunk| {
         clustering.chunk(chunk * CHUNK)
@@ -64,7 +64,7 @@ pub(super) struct Chunk {
 #[derive(Clone, Copy)]
 pub(super) struct Cluster {
     pub(super) bounds: Bounds,
-    /// Triangle tests that a ray through the scene is expected to need in it, times the area of the scene.
+    /// Leaves that a ray through the scene is expected to test in it, times the area of the scene; nodes in proportion.
     cost: f32,
     /// Its triangles are neighbours in the order of the curve.
     pub(super) first: u32,
@@ -99,8 +99,6 @@ struct Clustering<'a> {
     numbers: &'a [TriangleNumber],
     scale: CentroidScale,
     max_leaf_size: u32,
-    /// What a node costs, in triangle tests.
-    traversal_cost: f32,
 }
 
 impl Clustering<'_> {
@@ -204,9 +202,8 @@ impl Clustering<'_> {
         pairs: &mut Vec<BuildNode>,
     ) -> Cluster {
         let count = first.count + second.count;
-        let leaf_cost = count as f32 * area;
-        let inner_cost = self.traversal_cost * area + first.cost + second.cost;
-        let is_leaf = count <= self.max_leaf_size && leaf_cost <= inner_cost;
+        let inner_cost = NODE_COST * area + first.cost + second.cost;
+        let is_leaf = count <= self.max_leaf_size && area <= inner_cost;
         let link = if is_leaf {
             ClusterLink::Leaf
         } else {
@@ -216,7 +213,7 @@ impl Clustering<'_> {
         };
         Cluster {
             bounds: first.bounds.union(second.bounds),
-            cost: if is_leaf { leaf_cost } else { inner_cost },
+            cost: if is_leaf { area } else { inner_cost },
             first: first.first,
             count,
             link,

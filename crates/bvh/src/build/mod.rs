@@ -27,6 +27,14 @@ pub(crate) use self::node::Link;
 /// The most nodes on a way from the root to a leaf. Traversal has a stack of this size.
 pub(crate) const MAX_DEPTH: usize = 64;
 
+/// The most references in a leaf of a build, if the options do not say fewer.
+///
+/// Queries test eight triangles at a time, so little is saved below leaves of this size, and the layout joins leaves
+/// where that is cheaper. So a build from the top does not look further, if it is not one that takes its time (with a sweep) and if a node
+/// costs no less than a triangle. Measured against leaves by cost per triangle: a third fewer nodes and a sixth less build
+/// time, for 0.05 to 0.5 % (a soup: 1.7 %) higher cost of a tree with eight children per node.
+const LEAF_SIZE: usize = 4;
+
 /// A binary tree over references in leaf order.
 #[derive(Default)]
 pub(crate) struct BinaryTree {
@@ -77,6 +85,12 @@ impl BinaryTree {
     pub(crate) fn node(&self, index: usize) -> (Aabb, Link) {
         let node = &self.nodes[index];
         (node.bounds(), node.link())
+    }
+
+    /// The length of the list of nodes.
+    #[expect(dead_code, reason = "layouts with a table by node need it")]
+    pub(crate) const fn node_count(&self) -> usize {
+        self.nodes.len()
     }
 
     pub(crate) const fn is_empty(&self) -> bool {

@@ -75,7 +75,7 @@ impl Bounds {
     }
 
     #[inline]
-    fn add_point(&mut self, point: Vec4) {
+    pub(super) fn add_point(&mut self, point: Vec4) {
         self.lower = self.lower.min(point);
         self.upper = self.upper.max(point);
     }
@@ -144,6 +144,23 @@ impl CentroidScale {
         reference.lower * self.0 + reference.upper * self.0
     }
 
+    /// One component of [`centroid`](Self::centroid).
+    #[inline]
+    pub(super) fn centroid_on(self, reference: &Reference, axis: usize) -> f32 {
+        reference.lower[axis] * self.0 + reference.upper[axis] * self.0
+    }
+
+    /// Edge lengths of a box in scaled units; the fourth lane means nothing.
+    #[inline]
+    pub(super) fn extent(self, bounds: &Bounds) -> Vec4 {
+        bounds.upper * self.0 - bounds.lower * self.0
+    }
+
+    /// What [`half_area`](Self::half_area) counts in.
+    pub(super) fn area_unit(self) -> f64 {
+        f64::from(self.0).powi(-2)
+    }
+
     /// The corners of a box as centroids: those of boxes within it are between them.
     pub(super) fn centroids_of(self, bounds: &Bounds) -> [Vec4; 2] {
         [bounds.lower, bounds.upper].map(|corner| corner * self.0 + corner * self.0)
@@ -153,7 +170,7 @@ impl CentroidScale {
     /// of coordinates.
     #[inline]
     pub(super) fn half_area(self, bounds: &Bounds) -> f32 {
-        let extent = bounds.upper * self.0 - bounds.lower * self.0;
+        let extent = self.extent(bounds);
         let faces = extent * extent.yzxw();
         // The same sum in the first three lanes, of which one is read.
         (faces + faces.yzxw() + faces.zxyw()).x

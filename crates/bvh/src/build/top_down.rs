@@ -6,7 +6,7 @@ use tahko_geometry::Axis;
 use super::node::{BuildNode, Link, concatenate};
 use super::reference::{Bounds, CentroidScale, Extent, Reference};
 use super::split::{self, Candidate, Parts};
-use super::{binned, sweep};
+use super::{LEAF_SIZE, binned, sweep};
 use crate::BvhOptions;
 use crate::parallel::{join_if, reduce};
 
@@ -27,6 +27,7 @@ pub(super) fn build(
     let bounds = reduce(references, &Bounds::of, &Bounds::union);
     let builder = Builder {
         options,
+        max_leaf_size: options.max_leaf_size.min(LEAF_SIZE),
         scale: CentroidScale::new(&bounds.to_aabb()),
         max_depth,
     };
@@ -41,6 +42,7 @@ pub(super) fn build(
 
 struct Builder<'a> {
     options: &'a BvhOptions,
+    max_leaf_size: usize,
     scale: CentroidScale,
     max_depth: usize,
 }
@@ -120,7 +122,7 @@ impl Builder<'_> {
             self.split(references, &extent, place.depth)
         };
         let Some(parts) = split else {
-            // At most two nodes to three references, as most leaves have more than one.
+            // Two nodes to three references are usual.
             let mut nodes = Vec::with_capacity(references.len());
             nodes.push(BuildNode::UNUSED);
             self.block(references, extent, place, 0, &mut nodes);
@@ -164,7 +166,15 @@ impl Builder<'_> {
     /// Cuts the references of a node in two, or makes it a leaf.
     #[inline(never)]
     fn split(&self, references: &mut [Reference], extent: &Extent, depth: usize) -> Option<Parts> {
-        let may_be_leaf = references.len() <= self.options.max_leaf_size;
+        let BvhOptions {
+            traversal_cost,
+            intersection_cost,
+            ..
+        } = *self.options;
+        let may_be_leaf = references.len() <= self.max_leaf_size;
+        if may_be_leaf && self.options.sweep_size == 0 && traversal_cost >= intersection_cost {
+            return None;
+        }
         let cut = match self.candidate(references, extent, depth) {
             Some(candidate) if may_be_leaf && !self.pays(&candidate, references.len(), extent) => {
                 return None;
