@@ -4,7 +4,11 @@ use tahko_geometry::{Aabb, Precision, TriangleMesh};
 
 use crate::build::BinaryTree;
 use crate::layout::Bvh2;
-use crate::{BuildError, BvhOptions};
+use crate::report::Stopwatch;
+use crate::{BuildControl, BuildError, BuildPhase, BuildReport, BvhOptions};
+
+/// The work per triangle that the layout counts as, where the binary tree is [`BinaryTree::WORK`].
+const LAYOUT_WORK: u64 = 2;
 
 /// A bounding volume hierarchy over a triangle mesh.
 ///
@@ -23,17 +27,39 @@ impl Bvh {
     /// The same mesh and options give the same tree, whatever the number of threads and with or without
     /// the `parallel` feature. No way from the root to a leaf has more than 64 nodes.
     ///
-    /// Cost: O(n log n) time; about 210 bytes per triangle during the build, 70 to 105 after it.
+    /// Cost: O(n log n) time; memory as [`BvhOptions::build_memory`] estimates it, and 70 to 105 bytes per triangle after
+    /// the build.
     ///
     /// # Errors
     /// If an option is out of its range.
     pub fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Result<Self, BuildError> {
+        Self::build_with(mesh, options, &BuildControl::new()).map(|(bvh, _)| bvh)
+    }
+
+    /// Builds the tree of a mesh as [`build`](Self::build) does, while another thread may watch and cancel it, and
+    /// within a limit of memory; and reports what it took.
+    ///
+    /// # Errors
+    /// If an option is out of its range, the build is cancelled, or it would need more memory than allowed.
+    pub fn build_with(
+        mesh: &TriangleMesh,
+        options: &BvhOptions,
+        control: &BuildControl,
+    ) -> Result<(Self, BuildReport), BuildError> {
         options.check()?;
-        let tree = BinaryTree::build(mesh, options);
-        Ok(Self {
+        let needed = options.build_memory(mesh.len());
+        let work = BinaryTree::WORK + LAYOUT_WORK;
+        control.begin(work * mesh.len() as u64, needed)?;
+        let mut stopwatch = Stopwatch::start();
+        let tree = BinaryTree::build(mesh, options, control, &mut stopwatch)?;
+        let bvh = Self {
             layout: Bvh2::new(&tree, mesh),
             options: options.clone(),
-        })
+        };
+        stopwatch.end(BuildPhase::Layout);
+        control.finish();
+        let report = BuildReport::new(&bvh, stopwatch, needed);
+        Ok((bvh, report))
     }
 
     /// The options that the tree was built with.

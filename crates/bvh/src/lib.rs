@@ -38,15 +38,19 @@
 
 mod build;
 mod bvh;
+mod control;
 mod layout;
 mod node;
 mod options;
 mod overlap;
 mod parallel;
+mod report;
 mod statistics;
 mod traverse;
 mod validate;
 
 pub use bvh::Bvh;
+pub use control::BuildControl;
 pub use options::{BuildError, BuildMethod, BvhOptions};
+pub use report::{BuildPhase, BuildReport};
 pub use validate::{Content, ValidationError};

@@ -62,6 +62,17 @@ pub enum BuildError {
         /// The largest value allowed.
         most: usize,
     },
+    /// The build was cancelled through its [`BuildControl`](crate::BuildControl).
+    #[error("the build was cancelled")]
+    Cancelled,
+    /// The build would need more memory than its [`BuildControl`](crate::BuildControl) allows.
+    #[error("the build needs about {needed} bytes, but only {allowed} are allowed")]
+    MemoryLimit {
+        /// Estimate of the bytes needed.
+        needed: u64,
+        /// The bytes allowed.
+        allowed: u64,
+    },
     /// A cost is zero, negative, infinite or NaN.
     #[error("option {option} is {given}, but must be positive and finite")]
     InvalidCost {

@@ -14,9 +14,10 @@ use tahko_geometry::{Triangle, TriangleMesh};
 
 use super::node::{BuildNode, Link, Shift};
 use super::reference::{Bounds, CentroidScale};
-use super::{LEAF_SIZE, TriangleNumber, join, morton};
-use crate::BvhOptions;
+use super::{LEAF_SIZE, TriangleNumber, join};
+use crate::control::Work;
 use crate::parallel::map_range;
+use crate::{BuildControl, BuildError, BvhOptions};
 
 /// Triangles in a chunk: their clusters stay in the second level cache of any processor.
 const CHUNK: usize = 2048;
@@ -35,25 +36,33 @@ pub(super) const MAX_ROUNDS: usize = 12;
 /// The nodes of the tree of a mesh with at least one triangle, and the triangles in the order of the leaves.
 ///
 /// Cost: O(n) time for the clusters and O(m log m) for the m clusters.
+///
+/// # Errors
+/// If the build was cancelled.
 #[expect(clippy::cast_possible_truncation, reason = "at most 4")]
 pub(super) fn build(
     mesh: &TriangleMesh,
+    numbers: &[TriangleNumber],
+    scale: CentroidScale,
     options: &BvhOptions,
-) -> (Vec<BuildNode>, Vec<TriangleNumber>) {
-    let (numbers, scale) = morton::order(mesh);
+    control: &BuildControl,
+) -> Result<(Vec<BuildNode>, Vec<TriangleNumber>), BuildError> {
     let clustering = Clustering {
         mesh,
-        numbers: &numbers,
+        numbers,
         scale,
         max_leaf_size: options.max_leaf_size.min(LEAF_SIZE) as u32,
+        work: Work { control, weight: 4 },
     };
     let chunks = map_range(numbers.len().div_ceil(CHUNK), |chunk| {
         clustering.chunk(chunk * CHUNK)
     });
-    join::join(&chunks, &numbers, options)
+    control.check()?;
+    join::join(&chunks, numbers, options, control)
 }
 
 /// What is left of a chunk.
+#[derive(Default)]
 pub(super) struct Chunk {
     /// The nodes below the clusters, those of each cluster in a row, children after their parents.
     pub(super) nodes: Vec<BuildNode>,
@@ -99,11 +108,15 @@ struct Clustering<'a> {
     numbers: &'a [TriangleNumber],
     scale: CentroidScale,
     max_leaf_size: u32,
+    work: Work<'a>,
 }
 
 impl Clustering<'_> {
-    /// Clusters the chunk that begins at a place in the order.
+    /// Clusters the chunk that begins at a place in the order; nothing if the build was cancelled.
     fn chunk(&self, begin: usize) -> Chunk {
+        if self.work.is_cancelled() {
+            return Chunk::default();
+        }
         let end = (begin + CHUNK).min(self.numbers.len());
         // Two loops, so that the processor has more loads under way at a time: where triangles lie scattered in memory this
         // saves an eighth of the build, and costs nothing elsewhere.
@@ -130,6 +143,9 @@ impl Clustering<'_> {
                 *child = to_u32(list(*child as usize, &pairs, &mut nodes));
             }
         }
+        nodes.shrink_to_fit();
+        clusters.shrink_to_fit();
+        self.work.done(end - begin);
         Chunk { nodes, clusters }
     }
 

@@ -4,15 +4,20 @@ use super::clusters::{Chunk, Cluster, ClusterLink, MAX_ROUNDS};
 use super::node::{BuildNode, Link, Shift, take};
 use super::reference::Reference;
 use super::{MAX_DEPTH, TriangleNumber, top_down};
-use crate::BvhOptions;
+use crate::control::Work;
 use crate::parallel::for_each;
+use crate::{BuildControl, BuildError, BvhOptions};
 
 /// The tree whose leaves are the clusters, with what is below them; and the triangles in the order of its leaves.
+///
+/// # Errors
+/// If the build was cancelled.
 pub(super) fn join(
     chunks: &[Chunk],
     numbers: &[TriangleNumber],
     options: &BvhOptions,
-) -> (Vec<BuildNode>, Vec<TriangleNumber>) {
+    control: &BuildControl,
+) -> Result<(Vec<BuildNode>, Vec<TriangleNumber>), BuildError> {
     let clusters: Vec<(&Cluster, &[BuildNode], usize)> = chunks.iter().flat_map(located).collect();
     let mut references: Vec<Reference> = clusters
         .iter()
@@ -20,7 +25,12 @@ pub(super) fn join(
         .map(|(index, (cluster, ..))| cluster.bounds.to_reference(index))
         .collect();
     let top_options = options.clone().with_max_leaf_size(1);
-    let top = top_down::build(&mut references, &top_options, MAX_DEPTH - MAX_ROUNDS);
+    // As much in all as one for each triangle, as a cluster has about sixteen.
+    let work = Work {
+        control,
+        weight: 16,
+    };
+    let top = top_down::build(&mut references, &top_options, MAX_DEPTH - MAX_ROUNDS, &work)?;
 
     let node_count = top.len() + chunks.iter().map(|chunk| chunk.nodes.len()).sum::<usize>();
     let mut nodes = vec![BuildNode::UNUSED; node_count];
@@ -57,7 +67,7 @@ pub(super) fn join(
             *node = roots[first];
         }
     }
-    (nodes, listed)
+    Ok((nodes, listed))
 }
 
 /// The clusters of a chunk, each with the nodes below it and their place in the chunk's list.

@@ -7,6 +7,7 @@
 mod binned;
 mod clusters;
 mod join;
+mod memory;
 mod morton;
 mod node;
 mod radix;
@@ -19,8 +20,10 @@ use tahko_geometry::{Aabb, TriangleMesh};
 
 use self::node::BuildNode;
 use self::reference::Reference;
+use crate::control::Work;
 use crate::parallel::collect;
-use crate::{BuildMethod, BvhOptions};
+use crate::report::Stopwatch;
+use crate::{BuildControl, BuildError, BuildMethod, BuildPhase, BvhOptions};
 
 pub(crate) use self::node::Link;
 
@@ -56,30 +59,52 @@ impl TriangleNumber {
 }
 
 impl BinaryTree {
-    /// Builds the tree of a mesh. The options are in range.
+    /// Builds the tree of a mesh. The options are in range, and the control has [begun](BuildControl::begin) with at least
+    /// [`WORK`](Self::WORK) per triangle.
     ///
     /// Cost: O(n log n) time, or that for fewer clusters than triangles.
-    pub(crate) fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Self {
+    ///
+    /// # Errors
+    /// If the build was cancelled.
+    pub(crate) fn build(
+        mesh: &TriangleMesh,
+        options: &BvhOptions,
+        control: &BuildControl,
+        stopwatch: &mut Stopwatch,
+    ) -> Result<Self, BuildError> {
         if mesh.is_empty() {
-            return Self::default();
+            return Ok(Self::default());
         }
-        let (nodes, numbers) = match options.method {
-            BuildMethod::Clusters => clusters::build(mesh, options),
+        let work = |weight| Work { control, weight };
+        let (nodes, references) = match options.method {
+            BuildMethod::Clusters => {
+                let (numbers, scale) = morton::order(mesh);
+                control.check()?;
+                work(3).done(mesh.len());
+                stopwatch.end(BuildPhase::References);
+                clusters::build(mesh, &numbers, scale, options, control)?
+            }
             BuildMethod::TopDown => {
                 let mut references = collect(mesh.len(), |number| Reference::new(mesh, number));
-                let nodes = top_down::build(&mut references, options, MAX_DEPTH);
+                work(1).done(mesh.len());
+                stopwatch.end(BuildPhase::References);
+                let nodes = top_down::build(&mut references, options, MAX_DEPTH, &work(7))?;
                 let numbers = collect(references.len(), |index| {
                     TriangleNumber(references[index].number())
                 });
                 (nodes, numbers)
             }
         };
-        Self {
+        stopwatch.end(BuildPhase::Tree);
+        Ok(Self {
             inner_count: nodes.iter().filter(|node| !node.is_leaf()).count(),
             nodes,
-            references: numbers,
-        }
+            references,
+        })
     }
+
+    /// The work per triangle that a build reports to its control.
+    pub(crate) const WORK: u64 = 8;
 
     /// The box of a node and what it links to; node 0 is the root of a tree over at least one reference.
     pub(crate) fn node(&self, index: usize) -> (Aabb, Link) {

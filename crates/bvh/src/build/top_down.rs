@@ -7,8 +7,9 @@ use super::node::{BuildNode, Link, concatenate};
 use super::reference::{Bounds, CentroidScale, Extent, Reference};
 use super::split::{self, Candidate, Parts};
 use super::{LEAF_SIZE, binned, sweep};
-use crate::BvhOptions;
+use crate::control::Work;
 use crate::parallel::{join_if, reduce};
+use crate::{BuildError, BvhOptions};
 
 /// Nodes with fewer references than this are not worth a task of their own: their subtree is one block of nodes.
 const BLOCK_SIZE: usize = 4096;
@@ -19,25 +20,31 @@ const BLOCK_SIZE: usize = 4096;
 /// deeper (triangles nested in geometric progression), nodes are halved instead.
 ///
 /// Cost: O(n log n) time; the nodes twice, for a moment.
+///
+/// # Errors
+/// If the build was cancelled.
 pub(super) fn build(
     references: &mut [Reference],
     options: &BvhOptions,
     max_depth: usize,
-) -> Vec<BuildNode> {
+    work: &Work<'_>,
+) -> Result<Vec<BuildNode>, BuildError> {
     let bounds = reduce(references, &Bounds::of, &Bounds::union);
     let builder = Builder {
         options,
         max_leaf_size: options.max_leaf_size.min(LEAF_SIZE),
         scale: CentroidScale::new(&bounds.to_aabb()),
         max_depth,
+        work: *work,
     };
     let extent = builder.extent(references);
     let top = builder.top(references, extent, Place { first: 0, depth: 1 });
+    work.control.check()?;
     let mut nodes = Vec::new();
     let mut blocks = Vec::new();
     let mut next_block = top.top_size();
     top.list(&mut nodes, &mut blocks, &mut next_block);
-    concatenate(&nodes, &blocks)
+    Ok(concatenate(&nodes, &blocks))
 }
 
 struct Builder<'a> {
@@ -45,6 +52,7 @@ struct Builder<'a> {
     max_leaf_size: usize,
     scale: CentroidScale,
     max_depth: usize,
+    work: Work<'a>,
 }
 
 /// Where a subtree stands in the tree.
@@ -114,8 +122,12 @@ impl Builder<'_> {
         )
     }
 
-    /// Builds a subtree, its children at the same time. The recursion is at most `max_depth` deep.
+    /// Builds a subtree, its children at the same time; something else, at once, if the build was cancelled. The recursion is
+    /// at most `max_depth` deep.
     fn top(&self, references: &mut [Reference], extent: Extent, place: Place) -> Subtree {
+        if self.work.is_cancelled() {
+            return Subtree::Block(Vec::new());
+        }
         let split = if references.len() < BLOCK_SIZE {
             None
         } else {
@@ -127,6 +139,7 @@ impl Builder<'_> {
             nodes.push(BuildNode::UNUSED);
             self.block(references, extent, place, 0, &mut nodes);
             nodes.shrink_to_fit();
+            self.work.done(references.len());
             return Subtree::Block(nodes);
         };
         let [first_place, second_place] = place.children(parts.middle);
