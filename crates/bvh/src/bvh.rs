@@ -4,8 +4,12 @@ use tahko_geometry::simd::{AvailableSimd, SimdLevel};
 use tahko_geometry::{Aabb, Precision, TriangleMesh};
 
 use crate::build::BinaryTree;
+use crate::report::Stopwatch;
 use crate::wide::{Costs, WideBvh};
-use crate::{BuildError, BvhOptions};
+use crate::{BuildControl, BuildError, BuildPhase, BuildReport, BvhOptions};
+
+/// The work per triangle that the layout counts as, where the binary tree is [`BinaryTree::WORK`].
+const LAYOUT_WORK: u64 = 2;
 
 /// A bounding volume hierarchy over a triangle mesh.
 ///
@@ -26,23 +30,45 @@ impl PartialEq for Bvh {
 }
 
 impl Bvh {
-    /// Builds the tree of a mesh: top down, each node split where the surface area heuristic finds it cheapest.
+    /// Builds the tree of a mesh by the [method](crate::BuildMethod) that the options name.
     ///
     /// The same mesh and options give the same tree, whatever the number of threads and with or without
     /// the `parallel` feature. No way from the root to a leaf has more than 64 nodes.
     ///
-    /// Cost: O(n log n) time; about 210 bytes per triangle during the build, 70 to 105 after it.
+    /// Cost: O(n log n) time; memory as [`BvhOptions::build_memory`] estimates it, and 70 to 105 bytes per triangle after
+    /// the build.
     ///
     /// # Errors
     /// If an option is out of its range.
     pub fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Result<Self, BuildError> {
+        Self::build_with(mesh, options, &BuildControl::new()).map(|(bvh, _)| bvh)
+    }
+
+    /// Builds the tree of a mesh as [`build`](Self::build) does, while another thread may watch and cancel it, and
+    /// within a limit of memory; and reports what it took.
+    ///
+    /// # Errors
+    /// If an option is out of its range, the build is cancelled, or it would need more memory than allowed.
+    pub fn build_with(
+        mesh: &TriangleMesh,
+        options: &BvhOptions,
+        control: &BuildControl,
+    ) -> Result<(Self, BuildReport), BuildError> {
         options.check()?;
-        let tree = BinaryTree::build(mesh, options);
-        Ok(Self {
+        let needed = options.build_memory(mesh.len());
+        let work = BinaryTree::WORK + LAYOUT_WORK;
+        control.begin(work * mesh.len() as u64, needed)?;
+        let mut stopwatch = Stopwatch::start();
+        let tree = BinaryTree::build(mesh, options, control, &mut stopwatch)?;
+        let bvh = Self {
             layout: WideBvh::new(&tree, mesh, &Costs::new(options)),
             options: options.clone(),
             simd: AvailableSimd::best(),
-        })
+        };
+        stopwatch.end(BuildPhase::Layout);
+        control.finish();
+        let report = BuildReport::new(&bvh, stopwatch, needed);
+        Ok((bvh, report))
     }
 
     /// The options that the tree was built with.
@@ -150,9 +176,9 @@ mod tests {
             (fingerprint(bvh.layout()), bvh.statistics().sah_cost)
         });
         let expected = [
-            0x9919_8fc4_986c_9f22,
-            0xc65b_01a6_8804_de8f,
-            0xbf52_7d2b_1c22_b43d,
+            0x7ea2_7478_a9e2_0d28,
+            0x871e_ed1c_c25a_5264,
+            0xfbc2_5814_46cd_9946,
         ];
         assert_eq!(found.map(|(hash, _)| hash), expected, "{found:x?}");
     }

@@ -38,15 +38,19 @@
 
 mod build;
 mod bvh;
+mod control;
 mod options;
 mod overlap;
 mod parallel;
 #[cfg(feature = "parallel")]
 mod parallel_queries;
+mod report;
 mod statistics;
 mod validate;
 mod wide;
 
 pub use bvh::Bvh;
-pub use options::{BuildError, BvhOptions};
+pub use control::BuildControl;
+pub use options::{BuildError, BuildMethod, BvhOptions};
+pub use report::{BuildPhase, BuildReport};
 pub use validate::{Content, ValidationError};

@@ -50,6 +50,49 @@ pub(crate) fn collect_each<T, R>(items: &[T], value: impl Fn(&T) -> R) -> Vec<R>
     items.iter().map(value).collect()
 }
 
+/// How many tasks can run at the same time.
+#[cfg(feature = "parallel")]
+pub(crate) fn task_count() -> usize {
+    rayon::current_num_threads()
+}
+
+/// How many tasks can run at the same time.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn task_count() -> usize {
+    1
+}
+
+/// The values of a function for some items, each a task of its own, in order.
+pub(crate) fn map<T: Sync, R: Send>(items: &[T], value: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    map_range(items.len(), |index| value(&items[index]))
+}
+
+/// The values of a function for `0..count`, each a task of its own, in order.
+#[cfg(feature = "parallel")]
+pub(crate) fn map_range<R: Send>(count: usize, value: impl Fn(usize) -> R + Sync + Send) -> Vec<R> {
+    use rayon::prelude::*;
+    (0..count).into_par_iter().map(value).collect()
+}
+
+/// The values of a function for `0..count`, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn map_range<R>(count: usize, value: impl Fn(usize) -> R) -> Vec<R> {
+    (0..count).map(value).collect()
+}
+
+/// Does something with each of some items, each a task of its own.
+#[cfg(feature = "parallel")]
+pub(crate) fn for_each<T: Send>(items: Vec<T>, action: impl Fn(T) + Sync + Send) {
+    use rayon::prelude::*;
+    items.into_par_iter().for_each(action);
+}
+
+/// Does something with each of some items, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn for_each<T>(items: Vec<T>, action: impl Fn(T)) {
+    items.into_iter().for_each(action);
+}
+
 /// Runs two tasks, at the same time if they are `large` enough to be worth it.
 pub(crate) fn join_if<A: Send, B: Send>(
     large: bool,
@@ -63,7 +106,7 @@ pub(crate) fn join_if<A: Send, B: Send>(
     }
 }
 
-/// Items that one task works on in [`reduce`] and [`collect`]: some 50 microseconds of work.
+/// Items that one task works on in [`reduce`], [`reduce_range`] and [`collect`]: some 50 microseconds of work.
 const CHUNK: usize = 1 << 14;
 
 /// Maps chunks of a slice and merges the results pairwise, in an order that depends on the length alone.
@@ -77,6 +120,23 @@ pub(crate) fn reduce<T: Sync, R: Send>(
     }
     let (front, back) = items.split_at(items.len() / 2);
     let (front, back) = join(|| reduce(front, map, merge), || reduce(back, map, merge));
+    merge(front, back)
+}
+
+/// Maps chunks of a range and merges the results pairwise, in an order that depends on the range alone.
+pub(crate) fn reduce_range<R: Send>(
+    range: Range<usize>,
+    map: &(impl Fn(Range<usize>) -> R + Sync),
+    merge: &(impl Fn(R, R) -> R + Sync),
+) -> R {
+    if range.len() <= CHUNK {
+        return map(range);
+    }
+    let middle = range.start + range.len() / 2;
+    let (front, back) = join(
+        || reduce_range(range.start..middle, map, merge),
+        || reduce_range(middle..range.end, map, merge),
+    );
     merge(front, back)
 }
 

@@ -1,6 +1,6 @@
 //! The hard cases, asked of trees by every kind of build.
 
-use tahko_bvh::{Bvh, BvhOptions};
+use tahko_bvh::{BuildMethod, Bvh, BvhOptions};
 use tahko_geometry::simd::SimdLevel;
 use tahko_geometry::test_support::hard_cases::{
     Structure, check_cost_of_a_stadium, check_many_duplicates, nested_triangles, stacked_triangles,
@@ -65,10 +65,15 @@ fn a_large_floor_does_not_make_a_small_object_dear() {
 fn halvings_stop_at_the_depth_that_a_traversal_has_room_for() {
     // 120 halvings would make a tree of as many levels; from some depth on the builder halves the number of triangles. Where the areas are
     // too small to be told apart, nodes have few children.
-    let options = BvhOptions::fast().with_bins(2).with_max_leaf_size(1);
+    let options = BvhOptions::balanced().with_bins(2).with_max_leaf_size(1);
     for mesh in [nested_triangles(), stacked_triangles()] {
         let tree = Bvh::build(&mesh, &options).expect("options in range");
         assert!((8..=64).contains(&tree.depth()), "{}", tree.depth());
+        assert_eq!(tree.validate(), Ok(()));
+        // Clusters take some of the halvings, the build above them has room for the rest.
+        let options = options.clone().with_method(BuildMethod::Clusters);
+        let tree = Bvh::build(&mesh, &options).expect("options in range");
+        assert!((30..=64).contains(&tree.depth()), "{}", tree.depth());
         assert_eq!(tree.validate(), Ok(()));
     }
 }

@@ -1,7 +1,7 @@
 //! What the builders move and measure: references to triangles, their boxes and centroids.
 
 use tahko_geometry::{
-    Aabb, Triangle, TriangleMesh,
+    Aabb, TriangleMesh,
     glam::{BVec4A, Vec3, Vec4, Vec4Swizzles},
 };
 
@@ -15,16 +15,27 @@ const _: () = assert!(
 
 /// A triangle's box and number, 32 bytes that move as two vectors.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Reference {
+pub(super) struct Reference {
     lower: Vec4,
     upper: Vec4,
 }
 
 impl Reference {
-    pub(super) fn new(triangle: &Triangle, number: u32) -> Self {
-        let Aabb { min, max } = triangle.aabb();
+    /// A reference to a triangle of a mesh.
+    #[inline]
+    pub(super) fn new(mesh: &TriangleMesh, number: usize) -> Self {
+        Self::of_box(&mesh.triangle(number).aabb(), number)
+    }
+
+    /// A reference to what a box is around, under a number of at most 29 bits.
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "meshes have at most 2^29 triangles"
+    )]
+    #[inline]
+    pub(super) fn of_box(Aabb { min, max }: &Aabb, number: usize) -> Self {
         Self {
-            lower: min.extend(f32::from_bits(number | NUMBER_TAG)),
+            lower: min.extend(f32::from_bits(number as u32 | NUMBER_TAG)),
             upper: max.extend(0.0),
         }
     }
@@ -45,8 +56,9 @@ impl Reference {
         }
     }
 
-    /// The triangle's index in the mesh.
-    pub(crate) fn number(&self) -> u32 {
+    /// The triangle's index in the mesh, or the number of what the box is around.
+    #[inline]
+    pub(super) fn number(&self) -> u32 {
         self.lower.w.to_bits() & !NUMBER_TAG
     }
 }
@@ -121,6 +133,19 @@ impl Bounds {
         !self.lower.xyz().cmple(self.upper.xyz()).all()
     }
 
+    #[inline]
+    pub(super) fn new(bounds: &Aabb) -> Self {
+        Self {
+            lower: bounds.min.extend(0.0),
+            upper: bounds.max.extend(0.0),
+        }
+    }
+
+    /// A reference to what the box is around, under a number.
+    pub(super) fn to_reference(self, number: usize) -> Reference {
+        Reference::of_box(&self.to_aabb(), number)
+    }
+
     pub(super) fn lower(&self) -> Vec4 {
         self.lower
     }
@@ -139,20 +164,6 @@ impl Bounds {
     pub(super) fn half_area(&self) -> f64 {
         let extent = self.upper.xyz().as_dvec3() - self.lower.xyz().as_dvec3();
         extent.x * extent.y + extent.y * extent.z + extent.z * extent.x
-    }
-
-    pub(super) fn new(min: Vec3, max: Vec3) -> Self {
-        Self {
-            lower: min.extend(0.0),
-            upper: max.extend(0.0),
-        }
-    }
-
-    pub(super) fn from_aabb(bounds: &Aabb) -> Self {
-        Self {
-            lower: bounds.min.extend(0.0),
-            upper: bounds.max.extend(0.0),
-        }
     }
 
     pub(super) fn to_aabb(self) -> Aabb {
@@ -180,6 +191,38 @@ impl CentroidScale {
     #[inline]
     pub(super) fn centroid(self, reference: &Reference) -> Vec4 {
         reference.lower * self.0 + reference.upper * self.0
+    }
+
+    /// One component of [`centroid`](Self::centroid).
+    #[inline]
+    pub(super) fn centroid_on(self, reference: &Reference, axis: usize) -> f32 {
+        reference.lower[axis] * self.0 + reference.upper[axis] * self.0
+    }
+
+    /// Edge lengths of a box in scaled units; the fourth lane means nothing.
+    #[inline]
+    pub(super) fn extent(self, bounds: &Bounds) -> Vec4 {
+        bounds.upper * self.0 - bounds.lower * self.0
+    }
+
+    /// What [`half_area`](Self::half_area) counts in.
+    pub(super) fn area_unit(self) -> f64 {
+        f64::from(self.0).powi(-2)
+    }
+
+    /// The corners of a box as centroids: those of boxes within it are between them.
+    pub(super) fn centroids_of(self, bounds: &Bounds) -> [Vec4; 2] {
+        [bounds.lower, bounds.upper].map(|corner| corner * self.0 + corner * self.0)
+    }
+
+    /// Half of the surface area of a box that is not empty, in scaled units: good enough to compare boxes, at any size
+    /// of coordinates.
+    #[inline]
+    pub(super) fn half_area(self, bounds: &Bounds) -> f32 {
+        let extent = self.extent(bounds);
+        let faces = extent * extent.yzxw();
+        // The same sum in the first three lanes, of which one is read.
+        (faces + faces.yzxw() + faces.zxyw()).x
     }
 }
 
@@ -222,32 +265,28 @@ impl Extent {
 mod tests {
     use super::*;
 
-    fn triangle(size: f32) -> Triangle {
-        Triangle::new(
-            Vec3::splat(-size),
-            Vec3::X * size,
-            Vec3::new(0.0, size, size),
-        )
+    fn cube(size: f32) -> Aabb {
+        Aabb::new(Vec3::splat(-size), Vec3::splat(size))
     }
 
     #[test]
     fn a_reference_keeps_its_number_and_its_box() {
         for number in [0, 1, 12_345, (1 << 29) - 1] {
-            let reference = Reference::new(&triangle(2.0), number);
-            assert_eq!(reference.number(), number);
+            let reference = Reference::of_box(&cube(2.0), number);
+            assert_eq!(reference.number() as usize, number);
             let mut bounds = Bounds::EMPTY;
             bounds.add(&reference);
-            assert_eq!(bounds.to_aabb(), triangle(2.0).aabb());
+            assert_eq!(bounds.to_aabb(), cube(2.0));
         }
     }
 
     #[test]
     fn centroids_of_any_size_are_finite_and_differ() {
         for size in [f32::MAX, 3.0e38, 1.0, 1e-30, 1e-39, 1e-44] {
-            let scale = CentroidScale::new(&triangle(size).aabb());
+            let scale = CentroidScale::new(&cube(size));
             let at = |offset: f32| {
                 let corner = Vec3::splat(offset);
-                scale.centroid(&Reference::new(&Triangle::new(corner, corner, corner), 0))
+                scale.centroid(&Reference::of_box(&Aabb::new(corner, corner), 0))
             };
             let extent = (at(size) - at(-size)).xyz();
             assert!(extent.is_finite(), "{size}: {extent}");
@@ -259,8 +298,8 @@ mod tests {
     fn areas_of_any_size_neither_overflow_nor_underflow() {
         for size in [f32::MAX, 1.0, 1e-44] {
             let extent = Extent::new(
-                &[Reference::new(&triangle(size), 0)],
-                CentroidScale::new(&triangle(size).aabb()),
+                &[Reference::of_box(&cube(size), 0)],
+                CentroidScale::new(&cube(size)),
             );
             let expected = 12.0 * f64::from(size).powi(2);
             let area = extent.bounds.half_area();

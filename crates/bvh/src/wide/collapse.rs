@@ -61,6 +61,9 @@ pub(super) struct Root {
 }
 
 impl Collapse {
+    /// Memory for each node of the binary tree.
+    pub(super) const BYTES_PER_NODE: u64 = size_of::<Subtree>() as u64;
+
     /// Finds the least costs of all subtrees. Cost: O(n), 40 bytes per node.
     pub(super) fn new(tree: &BinaryTree, costs: &Costs) -> Self {
         let unused = Subtree {

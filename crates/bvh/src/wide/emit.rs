@@ -5,7 +5,7 @@ use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
 use super::collapse::{Collapse, Root};
 use super::{Child, WideBvh, WideNode};
-use crate::build::{BinaryTree, Link, Reference};
+use crate::build::{BinaryTree, Link};
 use crate::parallel::collect;
 
 /// A node whose children are still to be written.
@@ -137,7 +137,7 @@ impl Emitter<'_> {
                 Link::Leaf { first, count } => {
                     let references = &self.tree.references[first..][..count];
                     self.numbers
-                        .extend(references.iter().map(Reference::number));
+                        .extend(references.iter().map(|reference| reference.number()));
                 }
             }
         }

@@ -16,6 +16,7 @@ use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
 
 use crate::build::BinaryTree;
 
+use self::collapse::Collapse;
 pub(crate) use self::collapse::Costs;
 pub(crate) use self::node::{Child, Kind, WideNode};
 
@@ -57,6 +58,21 @@ impl PartialEq for WideBvh {
     }
 }
 
+/// What the layout of a binary tree takes while it is made and afterwards, in bytes: the costs of all subtrees, the triangles' numbers, and blocks and nodes, if
+/// leaves hold three triangles or more where they may.
+pub(crate) const fn layout_bytes(references: u64, nodes: u64, max_leaf_size: usize) -> u64 {
+    let fill = if max_leaf_size < 3 {
+        max_leaf_size as u64
+    } else {
+        3
+    };
+    let blocks = references.div_ceil(fill) + 1;
+    let wide_nodes = blocks.div_ceil(3);
+    // Lists grow to twice their length at most; a block has a range of numbers and a mark beside it while it waits to be written.
+    let lists = 2 * (wide_nodes * size_of::<WideNode>() as u64 + blocks * 17) + 4 * references;
+    nodes * Collapse::BYTES_PER_NODE + lists + blocks * size_of::<TriangleBlock>() as u64
+}
+
 impl WideBvh {
     /// The number of nodes and leaves that hold triangles.
     pub(crate) fn node_count(&self) -> usize {
@@ -92,7 +108,7 @@ impl WideBvh {
 
     /// Lays out a tree over the triangles of a mesh. Cost: O(n).
     pub(crate) fn new(tree: &BinaryTree, mesh: &TriangleMesh, costs: &Costs) -> Self {
-        let collapse = collapse::Collapse::new(tree, costs);
+        let collapse = Collapse::new(tree, costs);
         emit::emit(tree, &collapse, mesh)
     }
 }

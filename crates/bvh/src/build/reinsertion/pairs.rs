@@ -1,7 +1,8 @@
 //! A binary tree whose nodes can be moved: siblings stand side by side and know their parent.
 
+use crate::build::node::{BuildNode, Link};
 use crate::build::reference::Bounds;
-use crate::build::{BinaryTree, BuildNode, Link, MAX_DEPTH};
+use crate::build::{BinaryTree, MAX_DEPTH};
 use crate::parallel::collect;
 
 use super::search::Move;
@@ -40,7 +41,7 @@ impl PairTree {
         let mut pending = vec![(0, ROOT)];
         while let Some((node, place)) = pending.pop() {
             let (bounds, link) = tree.node(node);
-            pairs.bounds[place] = Bounds::from_aabb(&bounds);
+            pairs.bounds[place] = Bounds::new(&bounds);
             pairs.heights[place] = measures.heights[node];
             match link {
                 Link::Inner([first, second]) if measures.counts[node] > GROUP_SIZE => {
@@ -171,7 +172,8 @@ impl PairTree {
         while let Some((source, parent)) = pending.pop() {
             let index = nodes.len();
             if let Some(parent) = parent {
-                nodes[parent].link = Link::Inner([parent + 1, index]);
+                let link = Link::Inner([parent + 1, index]);
+                nodes[parent] = BuildNode::new(&nodes[parent].bounds(), link);
             }
             let (bounds, children) = match self.resolve(source) {
                 Source::Place(place) => {
@@ -197,7 +199,7 @@ impl PairTree {
                     Link::Leaf { first, count }
                 }
             };
-            nodes.push(BuildNode { bounds, link });
+            nodes.push(BuildNode::new(&bounds, link));
         }
         tree.nodes = nodes;
         tree.references = references;

@@ -6,12 +6,12 @@ use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
 use super::pairs::ROOT;
 use super::*;
 use crate::BvhOptions;
-use crate::build::{Link, MAX_DEPTH, Reference};
+use crate::build::{Link, MAX_DEPTH};
 
 /// A tree that leaves much to improve.
 fn build(mesh: &TriangleMesh) -> BinaryTree {
     let options = BvhOptions::fast().with_bins(2).with_max_leaf_size(1);
-    BinaryTree::build(mesh, &options)
+    BinaryTree::of(mesh, &options)
 }
 
 /// The sum of the half areas of all inner nodes.
@@ -30,7 +30,7 @@ fn leaves(tree: &BinaryTree) -> Vec<(Vec<u32>, [[u32; 3]; 2])> {
         {
             let numbers = tree.references[first..][..count]
                 .iter()
-                .map(Reference::number);
+                .map(|reference| reference.number());
             let corners =
                 [bounds.min, bounds.max].map(|corner| corner.to_array().map(f32::to_bits));
             leaves.push((numbers.collect(), corners));

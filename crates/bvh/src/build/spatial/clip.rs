@@ -17,7 +17,7 @@
 //! triangles, and never larger than `B`.
 
 use tahko_geometry::{
-    ClippedTriangle, Triangle,
+    Aabb, ClippedTriangle, Triangle,
     glam::{DVec3, Vec3},
 };
 
@@ -44,8 +44,11 @@ pub(super) fn halves(triangle: &Triangle, bounds: &Bounds, axis: usize, plane: f
         let min = half.min.as_dvec3() - margin;
         let max = half.max.as_dvec3() + margin;
         let (least, most) = whole.in_box(min, max).bounds();
-        let tight = Bounds::new(round_down(least - margin), round_up(most + margin));
-        tight.intersection(Bounds::from_aabb(&half))
+        let tight = Bounds::new(&Aabb::new(
+            round_down(least - margin),
+            round_up(most + margin),
+        ));
+        tight.intersection(Bounds::new(&half))
     })
 }
 
@@ -64,12 +67,11 @@ fn round_up(values: DVec3) -> Vec3 {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use tahko_geometry::Aabb;
 
     use super::*;
 
     fn whole(triangle: &Triangle) -> Bounds {
-        Bounds::from_aabb(&triangle.aabb())
+        Bounds::new(&triangle.aabb())
     }
 
     #[test]
@@ -97,7 +99,10 @@ mod tests {
             Vec3::new(8.0, 8.0, 0.0),
             Vec3::new(8.0, 8.0, 1.0),
         );
-        let bounds = Bounds::new(Vec3::new(2.0, 2.0, 0.0), Vec3::new(8.0, 4.0, 1.0));
+        let bounds = Bounds::new(&Aabb::new(
+            Vec3::new(2.0, 2.0, 0.0),
+            Vec3::new(8.0, 4.0, 1.0),
+        ));
         let [below, above] = halves(&triangle, &bounds, 0, 6.0);
         assert!(above.is_empty(), "nothing is beyond (4, 4)");
         let below = below.to_aabb();

@@ -31,11 +31,14 @@ mod pieces;
 use tahko_geometry::{Axis, TriangleMesh};
 
 use self::cut::SpatialParts;
+use super::node::{BuildNode, Link};
 use super::reference::{Extent, Reference};
 use super::split;
-use super::{BinaryTree, BuildNode, Builder, Link, PARALLEL_SIZE, Place, unused_nodes};
-use crate::BvhOptions;
-use crate::parallel::join_if;
+use super::top_down::{BLOCK_SIZE, Builder};
+use super::{MAX_DEPTH, TriangleNumber};
+use crate::control::Work;
+use crate::parallel::{collect, join_if};
+use crate::{BuildError, BvhOptions};
 
 /// Where planes are tried. On interiors the measured values give trees as cheap as lower ones do, on scans up to 0.4 % dearer, in
 /// half of the build time.
@@ -60,15 +63,19 @@ impl Policy {
 /// The most references in a leaf: layouts and reinsertion want fine trees, and join what is too fine.
 const LEAF_SIZE: usize = 2;
 
-/// Builds the tree over the references to all triangles of a mesh, at least one. The options are in range.
+/// The nodes of a tree over the references to all triangles of a mesh, at least one, and the triangles in the order of the leaves. The options are in range.
 ///
-/// Cost: O(n log n) time; about 130 bytes per triangle, times the budget.
+/// Cost: O(n log n) time; about 100 bytes per triangle, times the budget.
+///
+/// # Errors
+/// If the build was cancelled.
 pub(super) fn build(
     references: Vec<Reference>,
     mesh: &TriangleMesh,
     options: &BvhOptions,
-) -> BinaryTree {
-    build_by(Policy::MEASURED, references, mesh, options)
+    work: &Work<'_>,
+) -> Result<(Vec<BuildNode>, Vec<TriangleNumber>), BuildError> {
+    build_by(Policy::MEASURED, references, mesh, options, work)
 }
 
 fn build_by(
@@ -76,9 +83,10 @@ fn build_by(
     mut references: Vec<Reference>,
     mesh: &TriangleMesh,
     options: &BvhOptions,
-) -> BinaryTree {
+    work: &Work<'_>,
+) -> Result<(Vec<BuildNode>, Vec<TriangleNumber>), BuildError> {
     let count = references.len();
-    let base = Builder::new(&references, options);
+    let base = Builder::new(&references, options, MAX_DEPTH, work);
     let extent = base.extent(&references);
     let builder = SpatialBuilder {
         base,
@@ -90,14 +98,14 @@ fn build_by(
     let capacity = capacity(count, options.spatial_split_budget);
     // The room is filled with anything: it is not read before it is written.
     references.resize(capacity, references[0]);
-    let mut nodes = unused_nodes(2 * capacity - 1);
-    let inner_count = builder.build(&mut references, count, &mut nodes, extent, Place::ROOT);
+    let mut nodes = vec![BuildNode::UNUSED; 2 * capacity - 1];
+    builder.build(&mut references, count, &mut nodes, extent, Place::ROOT);
+    work.control.check()?;
     compact(&mut references, &mut nodes);
-    BinaryTree {
-        nodes,
-        references,
-        inner_count,
-    }
+    let numbers = collect(references.len(), |index| {
+        TriangleNumber(references[index].number())
+    });
+    Ok((nodes, numbers))
 }
 
 /// How many references a tree over some triangles may have.
@@ -111,6 +119,23 @@ fn capacity(count: usize, budget: f64) -> usize {
     capacity.clamp(count, TriangleMesh::MAX_TRIANGLES.max(count))
 }
 
+/// Where a subtree stands in the tree and in its lists.
+#[derive(Clone, Copy)]
+struct Place {
+    first_reference: usize,
+    first_node: usize,
+    /// Nodes on the way from the root, this one included.
+    depth: usize,
+}
+
+impl Place {
+    const ROOT: Self = Self {
+        first_reference: 0,
+        first_node: 0,
+        depth: 1,
+    };
+}
+
 struct SpatialBuilder<'a> {
     /// Finds object splits, and keeps the depth within its limit.
     base: Builder<'a>,
@@ -122,8 +147,8 @@ struct SpatialBuilder<'a> {
 }
 
 impl SpatialBuilder<'_> {
-    /// Builds a subtree over the first `count` references of a buffer, whose other places are room for more, into the block of nodes that goes with the buffer. Returns
-    /// how many of its nodes have children. The recursion is at most [`MAX_DEPTH`](super::MAX_DEPTH) deep.
+    /// Builds a subtree over the first `count` references of a buffer, whose other places are room for more, into the block of nodes that goes with the buffer;
+    /// something else, at once, if the build was cancelled. The recursion is at most [`MAX_DEPTH`] deep.
     fn build(
         &self,
         buffer: &mut [Reference],
@@ -131,16 +156,18 @@ impl SpatialBuilder<'_> {
         nodes: &mut [BuildNode],
         extent: Extent,
         place: Place,
-    ) -> usize {
+    ) {
+        if self.base.work.is_cancelled() {
+            return;
+        }
         let bounds = extent.bounds.to_aabb();
         let Some(parts) = self.split(buffer, count, &extent, place.depth) else {
             let count = without_repetition(&mut buffer[..count]);
             let first = place.first_reference;
-            let link = Link::Leaf { first, count };
-            nodes[0] = BuildNode { bounds, link };
-            return 0;
+            nodes[0] = BuildNode::new(&bounds, Link::Leaf { first, count });
+            return;
         };
-        let [first_count, second_count] = [parts.middle, parts.total - parts.middle];
+        let counts = [parts.middle, parts.total - parts.middle];
         let second_start = share_room(buffer, &parts);
         let first_place = Place {
             first_reference: place.first_reference,
@@ -153,23 +180,18 @@ impl SpatialBuilder<'_> {
             depth: place.depth + 1,
         };
         let link = Link::Inner([first_place.first_node, second_place.first_node]);
-        nodes[0] = BuildNode { bounds, link };
+        nodes[0] = BuildNode::new(&bounds, link);
         let (first_nodes, second_nodes) = nodes[1..].split_at_mut(2 * second_start - 1);
         let (first, second) = buffer.split_at_mut(second_start);
-        let (first_inner, second_inner) = join_if(
-            count >= PARALLEL_SIZE,
-            || self.build(first, first_count, first_nodes, parts.first, first_place),
-            || {
-                self.build(
-                    second,
-                    second_count,
-                    second_nodes,
-                    parts.second,
-                    second_place,
-                )
-            },
+        join_if(
+            count >= BLOCK_SIZE,
+            || self.build(first, counts[0], first_nodes, parts.first, first_place),
+            || self.build(second, counts[1], second_nodes, parts.second, second_place),
         );
-        1 + first_inner + second_inner
+        if count >= BLOCK_SIZE {
+            let done = counts.into_iter().filter(|count| *count < BLOCK_SIZE);
+            self.base.work.done(done.sum());
+        }
     }
 
     /// Cuts the first `count` references of a buffer in two lists that stand one behind the other, or makes them a leaf.
@@ -266,10 +288,10 @@ fn compact(references: &mut Vec<Reference>, nodes: &mut [BuildNode]) {
     let mut end = 0;
     // Nodes stand in the order of their references; unused ones have none.
     for node in nodes {
-        if let Link::Leaf { first, count } = &mut node.link {
-            references.copy_within(*first..*first + *count, end);
-            *first = end;
-            end += *count;
+        if let Link::Leaf { first, count } = node.link() {
+            references.copy_within(first..first + count, end);
+            *node = BuildNode::new(&node.bounds(), Link::Leaf { first: end, count });
+            end += count;
         }
     }
     references.truncate(end);

@@ -4,8 +4,8 @@ use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
 use tahko_geometry::{Aabb, Triangle, glam::Vec3};
 
 use super::*;
-use crate::build::MAX_DEPTH;
-use crate::parallel::collect;
+use crate::BuildControl;
+use crate::build::BinaryTree;
 
 /// Cuts wherever a cut is cheaper.
 const EAGER: Policy = Policy {
@@ -15,14 +15,22 @@ const EAGER: Policy = Policy {
 };
 
 fn build_eagerly(mesh: &TriangleMesh, budget: f64) -> BinaryTree {
-    let references = collect(mesh.len(), |number| {
-        let triangle = mesh.triangle(number);
-        Reference::new(&triangle, u32::try_from(number).expect("a small mesh"))
-    });
+    let references = collect(mesh.len(), |number| Reference::new(mesh, number));
     let options = BvhOptions::high_quality()
         .with_spatial_split_budget(budget)
         .with_max_leaf_size(1);
-    build_by(EAGER, references, mesh, &options)
+    let control = BuildControl::new();
+    let work = Work {
+        control: &control,
+        weight: 1,
+    };
+    let (nodes, references) =
+        build_by(EAGER, references, mesh, &options, &work).expect("nobody cancels it");
+    BinaryTree {
+        inner_count: nodes.iter().filter(|node| !node.is_leaf()).count(),
+        nodes,
+        references,
+    }
 }
 
 /// Whether a leaf below a node lists a triangle and, with all nodes above it, contains a point.
@@ -62,8 +70,11 @@ fn check(name: &str, mesh: &TriangleMesh, tree: &BinaryTree) {
             Link::Leaf { first, count } => {
                 assert!(count == 0 || first == listed, "{name}: a gap at {first}");
                 listed += count;
-                let references = &mut tree.references[first..][..count].to_vec();
-                assert_eq!(without_repetition(references), count, "{name}");
+                let listed = tree.references[first..][..count].iter();
+                let mut numbers: Vec<u32> = listed.map(|listed| listed.number()).collect();
+                numbers.sort_unstable();
+                numbers.dedup();
+                assert_eq!(numbers.len(), count, "{name}: a triangle twice");
             }
         }
     }
@@ -148,7 +159,8 @@ fn degenerate_meshes_are_covered() {
 
 #[test]
 fn room_is_shared_in_the_ratio_of_the_references() {
-    let corner = |number: u32| Reference::new(&Triangle::new(Vec3::X, Vec3::Y, Vec3::Z), number);
+    let bounds = Triangle::new(Vec3::X, Vec3::Y, Vec3::Z).aabb();
+    let corner = |number: usize| Reference::of_box(&bounds, number);
     for (middle, total, capacity, start) in
         [(1, 3, 3, 1), (1, 4, 8, 2), (3, 4, 12, 9), (2, 3, 30, 20)]
     {

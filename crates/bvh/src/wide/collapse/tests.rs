@@ -17,7 +17,7 @@ fn tree(mesh: &TriangleMesh, leaf_size: usize) -> BinaryTree {
     let options = BvhOptions::default()
         .with_max_leaf_size(leaf_size)
         .with_costs(0.01, 1.0);
-    BinaryTree::build(mesh, &options)
+    BinaryTree::of(mesh, &options)
 }
 
 /// The references below a node of the binary tree.

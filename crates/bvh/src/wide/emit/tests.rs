@@ -25,7 +25,7 @@ fn layout(count: u16, leaf_size: usize, max_leaf_size: usize, node: f32) -> Wide
     let options = BvhOptions::default()
         .with_max_leaf_size(leaf_size)
         .with_costs(0.01, 1.0);
-    let tree = BinaryTree::build(&mesh, &options);
+    let tree = BinaryTree::of(&mesh, &options);
     emit_with(&tree, &mesh, max_leaf_size, node)
 }
 
@@ -81,7 +81,7 @@ fn a_triangle_that_two_joined_leaves_list_is_listed_once() {
     let options = BvhOptions::default()
         .with_max_leaf_size(1)
         .with_costs(0.01, 1.0);
-    let mut tree = BinaryTree::build(&mesh, &options);
+    let mut tree = BinaryTree::of(&mesh, &options);
     let kept = tree.references[3].number();
     let lost = [1, 6].map(|place| tree.references[place].number());
     tree.references[1] = tree.references[3];
