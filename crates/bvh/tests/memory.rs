@@ -80,8 +80,14 @@ fn the_estimate_is_not_below_what_is_allocated_and_not_far_above() {
                     measured <= estimate,
                     "{measured} bytes, not {estimate}: {options:?}, {count} triangles"
                 );
+                // Here nothing is worth a spatial split: the budget for them stays unused.
+                let factor = if options.spatial_split_budget > 1.0 {
+                    3
+                } else {
+                    2
+                };
                 assert!(
-                    2 * measured >= estimate || count < 100_000,
+                    factor * measured >= estimate || count < 100_000,
                     "{measured} bytes, not {estimate}: {options:?}, {count} triangles"
                 );
             }
