@@ -93,10 +93,12 @@ impl WideBvh {
     /// Asks for the memory of a child that is soon needed.
     #[inline(always)]
     pub(crate) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
-        match child.kind() {
-            Kind::Inner(index) => simd.prefetch(&self.nodes[index]),
-            Kind::Leaf(index) => simd.prefetch(&self.blocks[index]),
-        }
+        let index = child.index();
+        let node = self.nodes.as_ptr().wrapping_add(index).cast::<u8>();
+        let block = self.blocks.as_ptr().wrapping_add(index).cast::<u8>();
+        // A choice between addresses, not a branch.
+        let place = if child.is_leaf() { block } else { node };
+        simd.prefetch(place, size_of::<WideNode>());
     }
 
     /// The triangles of a leaf.

@@ -45,11 +45,22 @@ impl Child {
     }
 
     #[inline(always)]
+    pub(crate) const fn is_leaf(self) -> bool {
+        self.0 & Self::LEAF != 0
+    }
+
+    /// The index of its node or of its first block.
+    #[inline(always)]
+    pub(crate) const fn index(self) -> usize {
+        (self.0 & !Self::LEAF) as usize
+    }
+
+    #[inline(always)]
     pub(crate) const fn kind(self) -> Kind {
-        if self.0 & Self::LEAF == 0 {
-            Kind::Inner(self.0 as usize)
+        if self.is_leaf() {
+            Kind::Leaf(self.index())
         } else {
-            Kind::Leaf((self.0 & !Self::LEAF) as usize)
+            Kind::Inner(self.index())
         }
     }
 

@@ -139,12 +139,9 @@ impl Simd for Avx2 {
         outlined(self, algorithm)
     }
     #[inline(always)]
-    fn prefetch<T>(self, place: &T) {
-        let lines = size_of::<T>().div_ceil(64);
-        for line in 0..lines {
-            let line = std::ptr::from_ref(place)
-                .cast::<i8>()
-                .wrapping_add(64 * line);
+    fn prefetch(self, place: *const u8, bytes: usize) {
+        for line in 0..bytes.div_ceil(64) {
+            let line = place.wrapping_add(64 * line).cast();
             intrinsic!(_mm_prefetch::<_MM_HINT_T0>(line));
         }
     }

@@ -80,8 +80,8 @@ pub trait Simd: Copy {
     /// Runs a part of an algorithm in a function of its own: what it keeps in registers is not mixed with the rest.
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output;
 
-    /// Asks for the memory of a value that is soon needed, where the processor can be asked.
-    fn prefetch<T>(self, _place: &T) {}
+    /// Asks for some bytes of memory that are soon needed, where the processor can be asked. The address may be any.
+    fn prefetch(self, _place: *const u8, _bytes: usize) {}
 }
 
 /// An algorithm that is compiled for every level.
