@@ -34,6 +34,24 @@ pub(crate) fn collect<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
     (0..count).map(value).collect()
 }
 
+/// Puts the values of a function for `0..count` into an empty list, in order; a value takes about a tenth of a microsecond.
+#[cfg(feature = "parallel")]
+pub(crate) fn collect_into<T: Send>(
+    list: &mut Vec<T>,
+    count: usize,
+    value: impl Fn(usize) -> T + Sync + Send,
+) {
+    use rayon::prelude::*;
+    let values = (0..count).into_par_iter().with_min_len(1024);
+    values.map(value).collect_into_vec(list);
+}
+
+/// Puts the values of a function for `0..count` into an empty list, in order.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn collect_into<T>(list: &mut Vec<T>, count: usize, value: impl Fn(usize) -> T) {
+    list.extend((0..count).map(value));
+}
+
 /// The values of a function for each item, in order; a value takes about a microsecond.
 #[cfg(feature = "parallel")]
 pub(crate) fn collect_each<T: Sync, R: Send>(

@@ -4,9 +4,9 @@ use tahko_geometry::simd::LANES;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
 use super::collapse::{Collapse, Root};
-use super::{Child, WideBvh, WideNode};
+use super::{Child, WideBvh, WideNode, huge_pages};
 use crate::build::{BinaryTree, Link};
-use crate::parallel::collect;
+use crate::parallel::collect_into;
 
 /// A node whose children are still to be written.
 struct Pending {
@@ -57,10 +57,12 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
         layout.size = size_of_bounds(&layout.bounds);
         emitter.add_nodes(collapse, &mut layout);
     }
-    layout.nodes = emitter.nodes;
-    layout.nodes.shrink_to_fit();
+    layout.nodes = huge_pages::with_capacity(emitter.nodes.len());
+    layout.nodes.append(&mut emitter.nodes);
+    emitter.nodes.shrink_to_fit();
     let (blocks, numbers, continues) = (&emitter.blocks, &emitter.numbers, &emitter.continues);
-    layout.blocks = collect(blocks.len(), |index| {
+    layout.blocks = huge_pages::with_capacity(blocks.len());
+    collect_into(&mut layout.blocks, blocks.len(), |index| {
         let numbers = &numbers[blocks[index].clone()];
         let block = TriangleBlock::new(
             numbers

@@ -4,6 +4,7 @@ mod access;
 mod batch;
 mod collapse;
 mod emit;
+mod huge_pages;
 mod leaf;
 mod node;
 mod order;
