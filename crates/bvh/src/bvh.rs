@@ -41,7 +41,7 @@ impl Bvh {
     /// # Errors
     /// If an option is out of its range.
     pub fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Result<Self, BuildError> {
-        Self::build_with(mesh, options, &BuildControl::new()).map(|(bvh, _)| bvh)
+        Self::build_timed(mesh, options, &BuildControl::new()).map(|(bvh, _)| bvh)
     }
 
     /// Builds the tree of a mesh as [`build`](Self::build) does, while another thread may watch and cancel it, and
@@ -54,6 +54,16 @@ impl Bvh {
         options: &BvhOptions,
         control: &BuildControl,
     ) -> Result<(Self, BuildReport), BuildError> {
+        let (bvh, stopwatch) = Self::build_timed(mesh, options, control)?;
+        let report = BuildReport::new(&bvh, stopwatch, options.build_memory(mesh.len()));
+        Ok((bvh, report))
+    }
+
+    fn build_timed(
+        mesh: &TriangleMesh,
+        options: &BvhOptions,
+        control: &BuildControl,
+    ) -> Result<(Self, Stopwatch), BuildError> {
         options.check()?;
         let needed = options.build_memory(mesh.len());
         let work = BinaryTree::WORK + LAYOUT_WORK;
@@ -67,8 +77,7 @@ impl Bvh {
         };
         stopwatch.end(BuildPhase::Layout);
         control.finish();
-        let report = BuildReport::new(&bvh, stopwatch, needed);
-        Ok((bvh, report))
+        Ok((bvh, stopwatch))
     }
 
     /// The options that the tree was built with.
