@@ -40,19 +40,3 @@ impl BlockVerdict {
         })
     }
 }
-
-/// A filter that lets all triangles through.
-#[derive(Clone, Copy, Debug)]
-pub struct NoFilter;
-
-impl BlockFilter for NoFilter {
-    #[inline]
-    fn new(_ray: &Ray, _fused: &FusedRay) -> Self {
-        Self
-    }
-
-    #[inline(always)]
-    fn test<S: Simd>(&self, _simd: S, block: &TriangleBlock, _t_max: f32) -> Option<BlockVerdict> {
-        BlockVerdict::undecided(block.used())
-    }
-}

@@ -54,10 +54,29 @@ pub struct ExactBlockFilter {
 }
 
 /// A vertex of each triangle: where its depth is on the ray, and where it is seen from it.
-struct Projected<S: Simd> {
+pub(super) struct Projected<S: Simd> {
     t: S::F32s,
     x: S::F32s,
     y: S::F32s,
+}
+
+/// Triangles as a ray sees them.
+pub(super) struct Seen<S: Simd> {
+    vertices: [Projected<S>; 3],
+    /// The edge functions, which weigh the opposite vertices.
+    weights: [S::F32s; 3],
+    /// The smallest and the largest of the weights.
+    pub(super) smallest: S::F32s,
+    pub(super) largest: S::F32s,
+    /// The smallest and the largest `t` of the vertices.
+    pub(super) first_t: S::F32s,
+    pub(super) last_t: S::F32s,
+    /// The larger magnitude of these.
+    pub(super) farthest_t: S::F32s,
+    /// The largest coordinate of the projected vertices.
+    pub(super) size: S::F32s,
+    /// The bound of the error of the weights.
+    pub(super) error: S::F32s,
 }
 
 impl BlockFilter for ExactBlockFilter {
@@ -84,18 +103,17 @@ impl BlockFilter for ExactBlockFilter {
         if !self.decides {
             return BlockVerdict::undecided(block.used());
         }
-        let a = self.project(simd, block, 0);
-        let b = self.project(simd, block, 1);
-        let c = self.project(simd, block, 2);
-        let of_a = edge_function(simd, &c, &b);
-        let of_b = edge_function(simd, &a, &c);
-        let of_c = edge_function(simd, &b, &a);
-        let smallest = simd.min(simd.min(of_a, of_b), of_c);
-        let largest = simd.max(simd.max(of_a, of_b), of_c);
-        let first_t = simd.min(simd.min(a.t, b.t), c.t);
-        let last_t = simd.max(simd.max(a.t, b.t), c.t);
-        let farthest_t = simd.max(simd.abs(first_t), simd.abs(last_t));
-        let error = self.error(simd, [&a, &b, &c], farthest_t);
+        let Seen {
+            vertices: [a, b, c],
+            weights: [of_a, of_b, of_c],
+            smallest,
+            largest,
+            first_t,
+            last_t,
+            farthest_t,
+            size: _,
+            error,
+        } = self.see(simd, block);
         let below = simd.sub(simd.splat(0.0), error);
 
         // Positive comparisons: unused lanes have NaN.
@@ -148,6 +166,49 @@ impl BlockFilter for ExactBlockFilter {
 }
 
 impl ExactBlockFilter {
+    /// Whether the filter says anything of triangles.
+    #[inline(always)]
+    pub(super) const fn decides(&self) -> bool {
+        self.decides
+    }
+
+    #[inline(always)]
+    pub(super) const fn t_min(&self) -> f32 {
+        self.t_min
+    }
+
+    /// The size of what one divides by to get from a depth to a `t`, reciprocal.
+    #[inline(always)]
+    pub(super) const fn reciprocal(&self) -> f32 {
+        self.reciprocal.abs()
+    }
+
+    /// The triangles of a block as the ray sees them.
+    #[inline(always)]
+    pub(super) fn see<S: Simd>(&self, simd: S, block: &TriangleBlock) -> Seen<S> {
+        let a = self.project(simd, block, 0);
+        let b = self.project(simd, block, 1);
+        let c = self.project(simd, block, 2);
+        let of_a = edge_function(simd, &c, &b);
+        let of_b = edge_function(simd, &a, &c);
+        let of_c = edge_function(simd, &b, &a);
+        let first_t = simd.min(simd.min(a.t, b.t), c.t);
+        let last_t = simd.max(simd.max(a.t, b.t), c.t);
+        let farthest_t = simd.max(simd.abs(first_t), simd.abs(last_t));
+        let size = simd.max(simd.max(size(simd, &a), size(simd, &b)), size(simd, &c));
+        Seen {
+            smallest: simd.min(simd.min(of_a, of_b), of_c),
+            largest: simd.max(simd.max(of_a, of_b), of_c),
+            error: self.error(simd, size, farthest_t),
+            vertices: [a, b, c],
+            weights: [of_a, of_b, of_c],
+            first_t,
+            last_t,
+            farthest_t,
+            size,
+        }
+    }
+
     #[inline(always)]
     fn project<S: Simd>(&self, simd: S, block: &TriangleBlock, vertex: usize) -> Projected<S> {
         let (x, y) = (self.z.next(), self.z.next().next());
@@ -186,14 +247,7 @@ impl ExactBlockFilter {
 
     /// The bound of the error of the edge functions.
     #[inline(always)]
-    fn error<S: Simd>(
-        &self,
-        simd: S,
-        vertices: [&Projected<S>; 3],
-        farthest_t: S::F32s,
-    ) -> S::F32s {
-        let [a, b, c] = vertices;
-        let size = simd.max(simd.max(size(simd, a), size(simd, b)), size(simd, c));
+    fn error<S: Simd>(&self, simd: S, size: S::F32s, farthest_t: S::F32s) -> S::F32s {
         let along = simd.splat(self.direction[self.z as usize].abs() * (1.0 + T_ERROR));
         let extent = simd.mul_add(farthest_t, along, size);
         let tiny = simd.splat(TINY);

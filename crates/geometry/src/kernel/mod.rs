@@ -17,13 +17,15 @@ mod confirm;
 mod exact;
 mod exact_block;
 mod moller_trumbore;
+mod reach_block;
 mod woop;
 
-pub use block::{BlockFilter, BlockVerdict, NoFilter};
+pub use block::{BlockFilter, BlockVerdict};
 pub(crate) use exact::WEIGHT_ERROR;
 pub use exact::{Exact, ExactCrossing, Ladder};
 pub use exact_block::ExactBlockFilter;
 pub use moller_trumbore::MollerTrumbore;
+pub use reach_block::ReachBlockFilter;
 pub use woop::Woop;
 
 use std::cmp::Ordering;

@@ -26,7 +26,7 @@ pub struct MollerTrumbore {
 impl TriangleKernel for MollerTrumbore {
     const REACH: f32 = confirm::REACH;
 
-    type Block = super::NoFilter;
+    type Block = super::ReachBlockFilter;
 
     fn new(ray: &Ray) -> Self {
         Self {

@@ -56,7 +56,7 @@ struct Projected {
 impl TriangleKernel for Woop {
     const REACH: f32 = confirm::REACH;
 
-    type Block = super::NoFilter;
+    type Block = super::ReachBlockFilter;
 
     fn new(ray: &Ray) -> Self {
         let axis = Axis::dominant(ray.direction);

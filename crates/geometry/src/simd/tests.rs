@@ -193,7 +193,7 @@ impl WithSimd for Outlined {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Lanes {
-        simd.prefetch(&self.0);
+        simd.prefetch(std::ptr::from_ref(&self.0).cast(), size_of::<Lanes>());
         simd.outline(Doubled(self.0))
     }
 }

@@ -5,19 +5,19 @@ use glam::Vec3;
 use proptest::prelude::*;
 
 use super::*;
-use crate::kernel::{Exact, ExactCrossing};
+use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, ReachBlockFilter, Woop};
 use crate::predicate::compare_t;
 use crate::simd::{AvailableSimd, LANES, SimdLevel, WithSimd};
 use crate::test_support::{grid_point, point};
 use crate::{Aabb, Triangle, TriangleKernel, size_of_bounds};
 
-struct Test<'a> {
-    filter: ExactBlockFilter,
+struct Test<'a, F> {
+    filter: F,
     block: &'a TriangleBlock,
     t_max: f32,
 }
 
-impl WithSimd for Test<'_> {
+impl<F: BlockFilter> WithSimd for Test<'_, F> {
     type Output = Option<BlockVerdict>;
 
     #[inline(always)]
@@ -31,7 +31,7 @@ fn levels() -> impl Iterator<Item = AvailableSimd> {
 }
 
 /// What the filter says at a level of triangles of a structure that has just these.
-fn verdict(
+fn verdict<F: BlockFilter>(
     level: AvailableSimd,
     ray: &Ray,
     triangles: &[Triangle],
@@ -42,7 +42,7 @@ fn verdict(
     let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
     let fused = FusedRay::new(ray, size_of_bounds(&bounds), 0.0);
     level.dispatch(Test {
-        filter: ExactBlockFilter::new(ray, &fused),
+        filter: F::new(ray, &fused),
         block: &block,
         t_max,
     })
@@ -58,7 +58,7 @@ fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
         ]
     };
     for level in levels() {
-        let verdict = verdict(level, ray, triangles, t_max);
+        let verdict = verdict::<ExactBlockFilter>(level, ray, triangles, t_max);
         let name = level.level();
         for (lane, triangle) in triangles.iter().enumerate() {
             let bit = |bits: u32| bits >> lane & 1 == 1;
@@ -90,6 +90,25 @@ fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
                 || verdict.certain & !verdict.possible != 0
             {
                 return Err(format!("{name:?}: {verdict:?}"));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that the filter of the kernels with a reach throws out nothing that they accept.
+fn check_reach(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
+    let (fast, watertight) = (MollerTrumbore::new(ray), Woop::new(ray));
+    for level in levels() {
+        let verdict = verdict::<ReachBlockFilter>(level, ray, triangles, t_max);
+        let possible = verdict.map_or(0, |verdict| verdict.possible);
+        for (lane, triangle) in triangles.iter().enumerate() {
+            let hits = [
+                fast.intersect(triangle, t_max, &mut ()),
+                watertight.intersect(triangle, t_max, &mut ()),
+            ];
+            if possible >> lane & 1 == 0 && hits != [None; 2] {
+                return Err(format!("{:?}, {triangle:?}: {hits:?}", level.level()));
             }
         }
     }
@@ -180,6 +199,8 @@ fn assert_true_of_kernels(triangles: &[Triangle], ray: &Ray, t_max: f32) {
     limits.extend(hits.flat_map(|hit| [hit.t, hit.t.next_down(), hit.t.next_up()]));
     for t_max in limits {
         let checked = check(ray, triangles, t_max.min(ray.t_max));
+        assert_eq!(checked, Ok(()), "{ray:?}, up to {t_max}, {triangles:?}");
+        let checked = check_reach(ray, triangles, t_max.min(ray.t_max));
         assert_eq!(checked, Ok(()), "{ray:?}, up to {t_max}, {triangles:?}");
     }
 }
@@ -277,7 +298,7 @@ fn nearly_all_ordinary_cases_are_decided() {
     for level in levels() {
         let [mut undecided, mut certain] = [0; 2];
         for (triangles, ray) in &blocks {
-            if let Some(verdict) = verdict(level, ray, triangles, ray.t_max) {
+            if let Some(verdict) = verdict::<ExactBlockFilter>(level, ray, triangles, ray.t_max) {
                 certain += verdict.certain.count_ones();
                 undecided += (verdict.possible & !verdict.certain).count_ones();
             }
