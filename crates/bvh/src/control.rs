@@ -52,7 +52,8 @@ impl BuildControl {
     }
 
     /// Makes the build end with [`BuildError::Cancelled`] within the time of one pass over the triangles; one that
-    /// has not begun, at its beginning.
+    /// has not begun, at its beginning. [Reinsertion](crate::BvhOptions::reinsertion_rounds) goes on to its end first, and a build that has
+    /// come to its [last phase](crate::BuildPhase::Layout) is finished.
     pub fn cancel(&self) {
         self.is_cancelled.store(true, Ordering::Relaxed);
     }
@@ -64,7 +65,7 @@ impl BuildControl {
     }
 
     /// The part of the work that is done, from 0 to 1; it never falls during a build. The parts are weighted by what they
-    /// take on typical meshes.
+    /// take on typical meshes; reinsertion does not count.
     #[must_use]
     pub fn progress(&self) -> f64 {
         let total = self.total.load(Ordering::Relaxed);

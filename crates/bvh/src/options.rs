@@ -34,13 +34,15 @@ pub struct BvhOptions {
     /// Rounds in which the finished tree is improved by moving subtrees to cheaper places, 0 to
     /// [`MAX_REINSERTION_ROUNDS`](Self::MAX_REINSERTION_ROUNDS). The first two bring most of what there is to gain; a round that finds nothing is the last.
     pub reinsertion_rounds: usize,
-    /// The most triangles in a leaf, 1 to 255. Leaves are smaller where that is cheaper; builds stop at leaves of 4, of which
-    /// the layout joins those that are cheaper together.
+    /// The most triangles in a leaf, 1 to 255. Leaves are smaller where that is cheaper: the build makes leaves of at most 4, and the
+    /// layout joins those that are cheaper together. Queries test eight triangles at a time.
     pub max_leaf_size: usize,
-    /// Cost of visiting an inner node (two box tests); positive and finite. Only its ratio to
-    /// `intersection_cost` matters: the larger, the fewer nodes.
+    /// Cost of visiting an inner node; positive and finite. Only its ratio to `intersection_cost` matters: the larger, the
+    /// fewer nodes. In the finished tree it is the cost of a node with up to eight children against that of a block of up to eight
+    /// triangles. A build from the top weighs a node with two children against a triangle by it, and the [statistics](crate::Bvh::statistics) a node
+    /// with up to eight children against a triangle.
     pub traversal_cost: f64,
-    /// Cost of a triangle test; positive and finite.
+    /// Cost of a triangle test, or of one of up to eight triangles at a time; positive and finite.
     pub intersection_cost: f64,
 }
 
@@ -112,8 +114,8 @@ impl BvhOptions {
     /// The largest value of [`max_leaf_size`](Self::max_leaf_size).
     pub const MAX_LEAF_SIZE: usize = 255;
 
-    /// The shortest build: clusters. Measured against the default, a third to a half of the time for the binary tree, and trees
-    /// that cost 3 to 14 % more.
+    /// The shortest build: clusters. Measured against the default, about half the time, and trees whose nodes and blocks
+    /// cost 3 to 14 % more.
     #[must_use]
     pub const fn fast() -> Self {
         Self {
@@ -133,15 +135,14 @@ impl BvhOptions {
             spatial_split_budget: 1.0,
             reinsertion_rounds: 0,
             max_leaf_size: 8,
-            // Measured on scans and interiors, ratios from 0.7 to 2 give the same speed of rays within noise;
-            // this one saves a sixth of the nodes that 1 would need.
+            // Measured in trees with eight children per node: ratios of 0.7, 1 and 1.5 give the same trees within 1 %.
             traversal_cost: 1.5,
             intersection_cost: 1.0,
         }
     }
 
     /// The cheapest tree: 32 bins, every split tried in nodes of up to 8 triangles, spatial splits and reinsertion. Measured against the
-    /// default, two to three times the build time, and an expected cost that is lower by 20 to 26 % in interiors, by 3 % on scans.
+    /// default, two to three times the build time, and trees whose nodes and blocks cost 6 to 18 % less in interiors, 3 % on a scan.
     #[must_use]
     pub fn high_quality() -> Self {
         Self {

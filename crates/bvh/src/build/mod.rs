@@ -29,7 +29,7 @@ use crate::{BuildControl, BuildError, BuildMethod, BuildPhase, BvhOptions};
 
 pub(crate) use self::node::Link;
 
-/// The most nodes on a way from the root to a leaf. Traversal has a stack of this size.
+/// The most nodes on a way from the root to a leaf. The stack of a traversal has room for what waits along such a way.
 pub(crate) const MAX_DEPTH: usize = 64;
 
 /// The most references in a leaf of a build, if the options do not say fewer.
