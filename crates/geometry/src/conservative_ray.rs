@@ -1,4 +1,4 @@
-//! Box and plane tests that never lose a hit.
+//! Box and plane tests that never lose a hit, for one box or plane at a time; [`FusedRay`](crate::FusedRay) is for vectors of boxes.
 //!
 //! **What has to hold.** A kernel accepts a triangle with a value `t` such that a point of the triangle lies
 //! within its reach `R = REACH * (2^-24 M + 2^-149)` of `P = O + tD` in every coordinate (see [`kernel`](crate::kernel)), with `M`

@@ -57,11 +57,20 @@
 //!   rounded to the nearest f32. Coordinates may be any finite f32, from denormals to the largest.
 //! - [`Precision::Watertight`]: no ray passes between triangles that share an edge or a vertex. [`Precision::Fast`]: a ray that passes
 //!   an edge closely may be lost. Where differences of coordinates overflow f32, these two may miss. See [`kernel`].
-//! - Whatever a kernel accepts lies in a cell that [`ConservativeRay`] visits, so every structure gives the answer of brute force,
-//!   bit for bit.
+//! - Whatever a kernel accepts lies in a cell that [`ConservativeRay`] and [`FusedRay`] visit, so every structure gives the answer of brute
+//!   force, bit for bit, with whatever vector instructions.
 //! - [`SurfacePoint`]: the exact hit is within the error that is given, and a ray that it spawns does not meet the triangle again at the precision of the
 //!   structure, for triangles of every size and wherever they are.
 //! - [`RayQuery::all_hits`], [`RayQuery::crossings`] and [`RayQuery::contains`] count each crossing of a closed surface once, exactly.
+//!
+//! # Making a structure
+//! - [`Traverse`] is what a structure implements, and then it is a [`RayQuery`]: it offers triangles to a [`HitCollector`] by [`test_triangle`], or by
+//!   [`test_block`].
+//! - [`ConservativeRay`] tests one box or plane at a time, [`FusedRay`] is for the boxes of nodes whose planes come in vectors.
+//! - [`TriangleBlock`] has up to eight triangles as vectors want them, of which a [`BlockFilter`] throws out those that are certainly not hit, and
+//!   names those that certainly are.
+//! - [`simd`] has vectors of eight numbers. An algorithm is written once and compiled for every level of instructions; the level is chosen
+//!   when the program runs.
 //!
 //! # Features
 //! - `oracle`: exact answers by brute force in rational numbers, to hold structures against.

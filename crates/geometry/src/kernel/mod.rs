@@ -1,4 +1,4 @@
-//! Ray/triangle kernels: one type per [`Precision`], prepared once per ray.
+//! Ray/triangle kernels: one type per [`Precision`], prepared for a ray.
 //!
 //! Every kernel is a filter in f32 followed by arithmetic in f64 that runs only for the few triangles that
 //! pass, and gives `t`, `u` and `v`. [`Exact`] has expansion arithmetic behind that, which decides
@@ -8,9 +8,15 @@
 //! > within `REACH * (2^-24 m + 2^-149)` of the point `O + tD` in every coordinate, where `m` is the largest
 //! > coordinate difference between the ray's origin and the triangle's vertices that the kernel computed.
 //!
-//! [`ConservativeRay`](crate::ConservativeRay) widens box and plane tests by that distance, which is zero for
+//! [`ConservativeRay`](crate::ConservativeRay) and [`FusedRay`](crate::FusedRay) widen box and plane tests by that distance, which is zero for
 //! the exact kernels. So whatever a kernel accepts lies in a cell that the traversal visits, and all structures give the
 //! answer of brute force.
+//!
+//! **Blocks.** Before the tests of single triangles a [`BlockFilter`] may look at a [`TriangleBlock`](crate::TriangleBlock) of up to eight. It throws
+//! out what the kernel certainly rejects, and names triangles that are *certain hits*, each with an interval around its `t`. What it says is true of
+//! the kernel, so answers depend neither on blocks nor on the vector instructions. Of a certain hit the kernel computes `t`, `u` and `v` only where they
+//! are needed: for the closest one at the end, and where the intervals of two overlap. [`ExactBlockFilter`] is that of the exact kernels; the
+//! others have [`NoFilter`], which lets all through.
 
 mod block;
 mod confirm;

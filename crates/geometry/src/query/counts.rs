@@ -7,7 +7,7 @@ use crate::predicate::Rung;
 pub struct QueryCounts {
     /// Nodes visited, leaves included.
     pub node_visits: u64,
-    /// Tests of the ray against a box or a splitting plane.
+    /// Tests of the ray against a box or a splitting plane. Where a node has a vector of boxes, all its lanes count, used or not.
     pub bound_tests: u64,
     /// Tests of the ray against a triangle.
     pub triangle_tests: u64,

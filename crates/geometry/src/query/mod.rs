@@ -45,13 +45,14 @@ pub trait RayQuery: Sync {
     /// Whether anything is hit with `t` in the ray's interval; cheaper than the closest hit.
     fn any_hit(&self, ray: &Ray) -> bool;
 
-    /// The closest hits of many rays; `hits[i]` answers `rays[i]`.
+    /// The closest hits of many rays; `hits[i]` answers `rays[i]`. A structure may work on several of them at a time; the answers are
+    /// those of [`closest_hit`](Self::closest_hit).
     ///
     /// # Panics
     /// If the slices differ in length.
     fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]);
 
-    /// Whether anything is hit, for many rays; `hits[i]` answers `rays[i]`.
+    /// Whether anything is hit, for many rays; `hits[i]` answers `rays[i]`. A structure may work on several of them at a time.
     ///
     /// # Panics
     /// If the slices differ in length.
