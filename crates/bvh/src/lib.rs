@@ -1,9 +1,8 @@
 //! Bounding volume hierarchies for ray casting.
 //!
 //! A BVH is a tree of boxes: a node has the boxes of up to eight children, and a ray visits only the children
-//! whose boxes it meets. Boxes are tested eight at a time with the vector instructions of the processor, and so are triangles at the
-//! exact precision. It is the structure to start with; the kd-tree makes fewer triangle tests, and the planes of the BSP tree follow
-//! the polygons.
+//! whose boxes it meets. Boxes and triangles are tested eight at a time, with the vector instructions of the processor. It is the
+//! structure to start with; the kd-tree makes fewer triangle tests, and the planes of the BSP tree follow the polygons.
 //!
 //! ```
 //! use tahko_bvh::{Bvh, BvhOptions};
@@ -45,7 +44,8 @@
 //!   and `Bvh::any_hits_parallel` share a batch among threads.
 //! - The instructions are chosen when the program runs: AVX2 and FMA of x86-64 where the processor has them, otherwise whatever every
 //!   processor of the architecture has. [`Bvh::with_simd`] makes another choice; AVX-512 and NEON have no code of their own yet.
-//! - Only the exact precision tests eight triangles at a time; the other two test them one by one.
+//! - At every precision a filter looks at eight triangles at a time and leaves few to the kernel. Only that of the exact precision is
+//!   also sure of hits.
 //!
 //! # Features
 //! - `parallel` (default): builds on the threads of the current rayon pool, and batches shared among them.
