@@ -72,7 +72,7 @@ impl Bvh {
         let mut stopwatch = Stopwatch::start();
         let tree = BinaryTree::build(mesh, options, control, &mut stopwatch)?;
         let bvh = Self {
-            layout: WideBvh::new(&tree, mesh, &Costs::new(options)),
+            layout: WideBvh::new(&tree, mesh, &Costs::new(options), control)?,
             options: options.clone(),
             simd: AvailableSimd::best(),
         };

@@ -52,8 +52,7 @@ impl BuildControl {
     }
 
     /// Makes the build end with [`BuildError::Cancelled`] within the time of one pass over the triangles; one that
-    /// has not begun, at its beginning. [Reinsertion](crate::BvhOptions::reinsertion_rounds) goes on to its end first, and a build that has
-    /// come to its [last phase](crate::BuildPhase::Layout) is finished.
+    /// has not begun, at its beginning. [Reinsertion](crate::BvhOptions::reinsertion_rounds) ends with the round that it is in.
     pub fn cancel(&self) {
         self.is_cancelled.store(true, Ordering::Relaxed);
     }

@@ -108,7 +108,7 @@ impl BinaryTree {
             references,
         };
         if options.reinsertion_rounds > 0 {
-            reinsertion::improve(&mut tree, options.reinsertion_rounds);
+            reinsertion::improve(&mut tree, options.reinsertion_rounds, control)?;
             stopwatch.end(BuildPhase::Reinsertion);
         }
         control.check()?;

@@ -16,6 +16,7 @@ use tahko_geometry::simd::Simd;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
 
 use crate::build::BinaryTree;
+use crate::{BuildControl, BuildError};
 
 use self::collapse::Collapse;
 pub(crate) use self::collapse::Costs;
@@ -110,8 +111,19 @@ impl WideBvh {
     }
 
     /// Lays out a tree over the triangles of a mesh. Cost: O(n).
-    pub(crate) fn new(tree: &BinaryTree, mesh: &TriangleMesh, costs: &Costs) -> Self {
+    ///
+    /// # Errors
+    /// If the build was cancelled.
+    pub(crate) fn new(
+        tree: &BinaryTree,
+        mesh: &TriangleMesh,
+        costs: &Costs,
+        control: &BuildControl,
+    ) -> Result<Self, BuildError> {
         let collapse = Collapse::new(tree, costs);
-        emit::emit(tree, &collapse, mesh)
+        control.check()?;
+        let layout = emit::emit(tree, &collapse, mesh);
+        control.check()?;
+        Ok(layout)
     }
 }

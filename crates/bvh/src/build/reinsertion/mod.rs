@@ -26,6 +26,7 @@ use self::pairs::PairTree;
 use self::search::Move;
 use super::BinaryTree;
 use crate::parallel::collect_each;
+use crate::{BuildControl, BuildError};
 
 /// The part of the nodes that look for a better place in each round. With a tenth, three rounds gained 60 to 70 % as much in interiors; with all
 /// nodes, up to 0.7 % of the cost more, in three times the time.
@@ -34,14 +35,22 @@ const SHARE: f64 = 0.3;
 /// Improves a tree in some rounds; ends early when a round finds nothing to gain.
 ///
 /// Cost: O(n) for each round, and the searches, measured 0.4 microseconds for each node of the upper part of the tree that takes part; some 30 bytes per triangle.
-pub(super) fn improve(tree: &mut BinaryTree, rounds: usize) {
+///
+/// # Errors
+/// If the build was cancelled: the tree is then as it was.
+pub(super) fn improve(
+    tree: &mut BinaryTree,
+    rounds: usize,
+    control: &BuildControl,
+) -> Result<(), BuildError> {
     // The least tree with a node that is neither the root nor a child of it, and a place to go.
     if rounds == 0 || tree.inner_count < 3 {
-        return;
+        return Ok(());
     }
     let mut pairs = PairTree::new(tree);
     let mut made = false;
     for _ in 0..rounds {
+        control.check()?;
         if !round(&mut pairs) {
             break;
         }
@@ -50,6 +59,7 @@ pub(super) fn improve(tree: &mut BinaryTree, rounds: usize) {
     if made {
         pairs.write_back(tree);
     }
+    Ok(())
 }
 
 /// Searches and moves once. Whether anything moved.

@@ -68,7 +68,7 @@ fn improve_and_check(name: &str, mesh: &TriangleMesh) -> (f64, f64) {
     let expected = leaves(&tree);
     let before = cost(&tree);
     for _ in 0..6 {
-        improve(&mut tree, 1);
+        improve(&mut tree, 1, &BuildControl::new()).expect("nobody cancels it");
         check(name, &tree);
         assert_eq!(leaves(&tree), expected, "{name}");
     }
