@@ -30,10 +30,10 @@ const ERROR: f32 = 24.0 / (1u32 << 24) as f32;
 const TINY: f32 = 1.0 / (1u128 << 120) as f32;
 /// More than the error of a `t`, relative to the largest one of a triangle.
 const T_ERROR: f32 = 16.0 / (1u32 << 24) as f32;
-/// More than underflow can take from a `t`: `2^-140`.
-const TINY_T: f32 = f32::from_bits(1 << 9);
-/// More than underflow can take from a sum of weighted `t`: `2^-144`.
-const TINY_SUM: f32 = f32::from_bits(1 << 5);
+/// More than underflow can take from a `t`, which is `2^-140`, and not a denormal number, with which some processors are slow.
+const TINY_T: f32 = 1.0 / (1u128 << 120) as f32;
+/// More than underflow can take from a sum of weighted `t`, which is `2^-144`, and not a denormal number either.
+const TINY_SUM: f32 = f32::MIN_POSITIVE;
 /// The range of the largest direction component in which the filter decides.
 const DIRECTIONS: std::ops::RangeInclusive<f32> = 1.0 / (1u32 << 30) as f32..=(1u32 << 20) as f32;
 /// The largest distance at which the filter decides.
