@@ -6,6 +6,7 @@ use tahko_tracer::geometry::glam::Vec3;
 use tahko_tracer::geometry::{Aabb, Hit, Precision, Ray, TriangleMesh};
 
 use super::recipes;
+use crate::arguments::Library;
 use crate::contender::{Built, Contender};
 use crate::report;
 use tahko_bench::random::Random;

@@ -127,7 +127,7 @@ fn exact_crossing(ray: &Ray, normal: DVec3, offset: f64) -> Option<RBig> {
 pub(super) struct Accuracy {
     encloses: bool,
     crossings: usize,
-    /// Those that are outside the interval that was computed.
+    /// Those from the ray's start on that are outside the interval that was computed: what is behind it is not to be relied on.
     outside: usize,
     largest_error: f64,
 }
@@ -139,7 +139,8 @@ impl Accuracy {
         let is_after_start = rational(crossing.start).is_ok_and(|start| start > *exact);
         let is_before_end = rational(crossing.end).is_ok_and(|end| end < *exact);
         self.crossings += 1;
-        self.outside += usize::from(is_after_start || is_before_end);
+        let is_ahead = *exact >= RBig::ZERO;
+        self.outside += usize::from(is_ahead && (is_after_start || is_before_end));
         self.largest_error = self
             .largest_error
             .max(error_in_ulps(crossing.start, exact))
