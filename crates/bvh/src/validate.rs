@@ -32,9 +32,8 @@ struct Validation<'a> {
     node_reached: Vec<bool>,
     block_reached: Vec<bool>,
     listings: Vec<Listing>,
-    /// The greatest depth and the largest stack found.
+    /// The greatest depth found.
     depth: usize,
-    stack_size: usize,
 }
 
 /// What is known of a triangle.
@@ -54,8 +53,6 @@ struct Pending {
     bounds: Aabb,
     /// Nodes on the way from the root, this one included.
     depth: usize,
-    /// The most children that wait while a traversal is below it.
-    waiting: usize,
 }
 
 const ALL_CORNERS: u8 = 0b111;
@@ -73,7 +70,6 @@ impl<'a> Validation<'a> {
             block_reached: vec![false; layout.blocks.len()],
             listings: vec![unlisted; layout.triangle_count],
             depth: 0,
-            stack_size: 0,
         }
     }
 
@@ -83,7 +79,6 @@ impl<'a> Validation<'a> {
             child: self.layout.root,
             bounds: self.layout.bounds,
             depth: 1,
-            waiting: 0,
         };
         let mut pending = Vec::new();
         if root.child != Child::NOTHING {
@@ -125,7 +120,6 @@ impl<'a> Validation<'a> {
         if std::mem::replace(&mut self.node_reached[index], true) {
             return Err(ValidationError::ReachedTwice { content });
         }
-        self.stack_size = self.stack_size.max(place.waiting + LANES);
         for (bounds, child) in node.children() {
             if bounds.is_empty() || !place.bounds.contains_box(&bounds) {
                 let content = match child.kind() {
@@ -141,7 +135,6 @@ impl<'a> Validation<'a> {
                 child,
                 bounds,
                 depth: place.depth + 1,
-                waiting: place.waiting + LANES - 1,
             });
         }
         Ok(())
@@ -233,10 +226,6 @@ impl<'a> Validation<'a> {
                 stated,
                 limit: MAX_DEPTH,
             });
-        }
-        let (needed, stated) = (self.stack_size, self.layout.stack_size);
-        if needed > stated {
-            return Err(ValidationError::StackSize { needed, stated });
         }
         Ok(())
     }

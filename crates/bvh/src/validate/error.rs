@@ -108,14 +108,6 @@ pub enum ValidationError {
         /// The depth that is allowed.
         limit: usize,
     },
-    /// The stack of a traversal would be too small.
-    #[error("a traversal may need a stack of {needed}; the tree says {stated}")]
-    StackSize {
-        /// The most children that may wait at a time.
-        needed: usize,
-        /// How many the tree states.
-        stated: usize,
-    },
 }
 
 /// A part of a tree.

@@ -220,10 +220,7 @@ fn leaves_may_share_a_triangle_that_they_cover_together() {
 }
 
 #[test]
-fn a_wrong_depth_and_a_small_stack_are_found() {
+fn a_wrong_depth_is_found() {
     let error = fault(|tree| tree.depth += 1);
     assert!(matches!(error, ValidationError::Depth { .. }), "{error}");
-    let error = fault(|tree| tree.stack_size = LANES - 1);
-    let (needed, stated) = (LANES, LANES - 1);
-    assert_eq!(error, ValidationError::StackSize { needed, stated });
 }

@@ -15,8 +15,6 @@ struct Pending {
     /// Where it stands as a child: the node, and the lane; `None` for the root.
     parent: Option<(usize, usize)>,
     depth: usize,
-    /// Children that wait above it.
-    waiting: usize,
 }
 
 /// A part of the list of triangle numbers that becomes blocks.
@@ -31,6 +29,8 @@ struct Emitter<'a> {
     numbers: Vec<u32>,
     /// Whether a block is followed by another of its leaf.
     continues: Vec<bool>,
+    /// Nodes below a leaf that are still to be listed: empty between leaves.
+    below_leaf: Vec<usize>,
 }
 
 /// The layout of a tree. Cost: O(n).
@@ -41,6 +41,7 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
         blocks: std::iter::once(0..0).collect(),
         numbers: Vec::with_capacity(tree.references.len()),
         continues: vec![false],
+        below_leaf: Vec::new(),
     };
     let mut layout = WideBvh {
         root: Child::NOTHING,
@@ -50,7 +51,6 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
         blocks: Vec::new(),
         depth: 0,
         triangle_count: mesh.len(),
-        stack_size: 0,
     };
     if !tree.is_empty() {
         layout.bounds = tree.node(0).0;
@@ -90,7 +90,6 @@ impl Emitter<'_> {
             source: 0,
             parent: None,
             depth: 1,
-            waiting: 0,
         }];
         let mut children: Vec<Root> = Vec::new();
         while let Some(next) = pending.pop() {
@@ -102,10 +101,7 @@ impl Emitter<'_> {
             children.clear();
             collapse.children(self.tree, next.source, &mut children);
             let depth = next.depth + 1;
-            // Where a ray may cull nothing, it enters unused lanes as well.
-            let waiting = next.waiting + LANES - 1;
             layout.depth = layout.depth.max(depth);
-            layout.stack_size = layout.stack_size.max(waiting + 1);
             let mut node = WideNode::EMPTY;
             let first_pending = pending.len();
             for (lane, child) in children.iter().enumerate() {
@@ -117,7 +113,6 @@ impl Emitter<'_> {
                         source: child.index,
                         parent: Some((index, lane)),
                         depth,
-                        waiting,
                     });
                     Child::NOTHING
                 };
@@ -132,10 +127,10 @@ impl Emitter<'_> {
     /// Adds the blocks of all triangles below a node.
     fn add_leaf(&mut self, index: usize) -> Child {
         let first = self.numbers.len();
-        let mut waiting = vec![index];
-        while let Some(index) = waiting.pop() {
+        self.below_leaf.push(index);
+        while let Some(index) = self.below_leaf.pop() {
             match self.tree.node(index).1 {
-                Link::Inner([first, second]) => waiting.extend([second, first]),
+                Link::Inner([first, second]) => self.below_leaf.extend([second, first]),
                 Link::Leaf { first, count } => {
                     let references = &self.tree.references[first..][..count];
                     self.numbers

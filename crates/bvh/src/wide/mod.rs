@@ -39,8 +39,6 @@ pub(crate) struct WideBvh {
     pub(crate) depth: usize,
     /// Triangles of the mesh.
     pub(crate) triangle_count: usize,
-    /// The most children that wait at a time in a traversal.
-    pub(crate) stack_size: usize,
 }
 
 /// Unused lanes hold NaN, so the coordinates of triangles are not compared as lanes are.

@@ -4,12 +4,12 @@ use tahko_geometry::HitCollector;
 use tahko_geometry::simd::{LANES, Simd};
 
 use super::stack::{Entry, Stack};
-use super::{Child, WideNode};
+use super::{Child, WideBvh, WideNode};
 
 /// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first.
 #[inline(always)]
 pub(super) fn nearest_child<S: Simd, H: HitCollector>(
-    bvh: &super::WideBvh,
+    bvh: &WideBvh,
     simd: S,
     node: &WideNode,
     start: S::F32s,

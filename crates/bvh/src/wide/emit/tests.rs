@@ -50,10 +50,7 @@ fn a_mesh_without_triangles_has_the_empty_block_alone() {
     let layout = layout(0, 1, 8, 1.0);
     assert_eq!((layout.root, layout.nodes.len()), (Child::NOTHING, 0));
     assert_eq!(layout.blocks.len(), 1);
-    assert_eq!(
-        (layout.depth, layout.stack_size, layout.node_count()),
-        (0, 0, 0)
-    );
+    assert_eq!((layout.depth, layout.node_count()), (0, 0));
 }
 
 #[test]
@@ -130,7 +127,7 @@ fn nodes_stand_depth_first_and_blocks_below_a_node_stand_together() {
 }
 
 #[test]
-fn depth_and_stack_are_those_of_the_deepest_way() {
+fn the_depth_is_that_of_the_deepest_way() {
     // Single triangles in full nodes: 8, 64 and 512 of them take one, two and three levels of nodes.
     for (count, levels) in [(1, 0), (8, 1), (9, 2), (64, 2), (512, 3)] {
         let layout = layout(count, 1, 1, 1.0);
@@ -139,12 +136,5 @@ fn depth_and_stack_are_those_of_the_deepest_way() {
             "{count}: {}",
             layout.depth
         );
-        let nodes = layout.depth - 1;
-        let expected = if nodes == 0 {
-            0
-        } else {
-            1 + nodes * (LANES - 1)
-        };
-        assert_eq!(layout.stack_size, expected, "{count}");
     }
 }
