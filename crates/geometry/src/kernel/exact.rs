@@ -106,6 +106,16 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         self.intersect_in_f64(triangle, t_max, counter)
     }
 
+    #[inline]
+    fn intersect_filtered<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        self.intersect_in_f64(triangle, t_max, counter)
+    }
+
     #[inline(always)]
     fn intersect_certain<C: TraversalCounter>(
         &self,
@@ -200,6 +210,11 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         counter: &mut C,
     ) -> Option<TriangleHit> {
         let terms = Terms::new(&self.ray, triangle);
+        // The triangle that a ray starts on, or a neighbour of it: the usual reason to come here, and soon seen.
+        if self.ray.t_min >= 0.0 && terms.are_behind() {
+            counter.decisions(Rung::F64, 1);
+            return None;
+        }
         let Terms {
             of_b,
             of_c,
@@ -301,6 +316,13 @@ impl Terms {
             determinant_error: F64_ERROR * d * e1 * e2,
             depth_error: F64_ERROR * f * e1 * e2,
         }
+    }
+
+    /// Whether the triangle's plane is certainly met before the origin.
+    #[inline(always)]
+    fn are_behind(&self) -> bool {
+        let depth = self.depth * 1f64.copysign(self.determinant);
+        depth < -self.depth_error && self.determinant.abs() > self.determinant_error
     }
 
     /// The weight of the first vertex and the bound of its error.

@@ -139,6 +139,17 @@ pub trait TriangleKernel: Copy {
         counter: &mut C,
     ) -> Option<TriangleHit>;
 
+    /// [`intersect`](Self::intersect) for a triangle that the [filter for blocks](Self::Block) lets through, which is another filter's work done.
+    #[inline]
+    fn intersect_filtered<C: TraversalCounter>(
+        &self,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        self.intersect(triangle, t_max, counter)
+    }
+
     /// The hit of a triangle that is certainly hit, with `t` in the ray's interval.
     #[inline]
     fn intersect_certain<C: TraversalCounter>(

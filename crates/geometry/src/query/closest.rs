@@ -5,7 +5,7 @@ use std::ops::ControlFlow;
 use glam::{Vec3, Vec3A};
 
 use super::collector::{Candidate, CertainHit, HitCollector, compare};
-use super::{Hit, TraversalCounter, offer_triangle};
+use super::{Hit, TraversalCounter, test_filtered};
 use crate::predicate::Rung;
 use crate::{Interval, Ray, Triangle, TriangleHit, TriangleKernel};
 
@@ -113,7 +113,7 @@ impl ClosestHit {
     ) -> ControlFlow<()> {
         let kernel = K::new(ray);
         self.resolve(&kernel, counter);
-        offer_triangle(
+        test_filtered(
             &kernel,
             &certain.triangle(),
             certain.primitive,

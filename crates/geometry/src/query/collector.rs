@@ -3,7 +3,7 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
-use super::{Hit, TraversalCounter, offer_triangle};
+use super::{Hit, TraversalCounter, test_filtered};
 use glam::{Vec3, Vec3A};
 
 use crate::predicate::Rung;
@@ -87,7 +87,7 @@ pub trait HitCollector: Sized {
         certain: &CertainHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
-        offer_triangle(
+        test_filtered(
             &K::new(ray),
             &certain.triangle(),
             certain.primitive,

@@ -15,7 +15,7 @@ pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 use crate::kernel::{BlockFilter, Exact, ExactCrossing, MollerTrumbore, Woop};
 use crate::predicate::Rung;
 use crate::simd::{LANES, Simd};
-use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleKernel};
+use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleHit, TriangleKernel};
 
 /// The hit of a ray on a primitive.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -264,19 +264,34 @@ pub fn test_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     counter: &mut C,
 ) -> ControlFlow<()> {
     counter.triangle_tests(1);
-    offer_triangle(kernel, triangle, primitive, collector, counter)
+    let hit = kernel.intersect(triangle, collector.t_max(), counter);
+    offer(kernel, triangle, primitive, hit, collector, counter)
 }
 
-/// Tests a triangle that was counted.
+/// Tests a triangle that the kernel's filter for blocks lets through, and that was counted there.
 #[inline]
-fn offer_triangle<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+fn test_filtered<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     kernel: &K,
     triangle: &crate::Triangle,
     primitive: u32,
     collector: &mut H,
     counter: &mut C,
 ) -> ControlFlow<()> {
-    match kernel.intersect(triangle, collector.t_max(), counter) {
+    let hit = kernel.intersect_filtered(triangle, collector.t_max(), counter);
+    offer(kernel, triangle, primitive, hit, collector, counter)
+}
+
+/// Offers a hit, if there is one, to the collector.
+#[inline]
+fn offer<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+    kernel: &K,
+    triangle: &crate::Triangle,
+    primitive: u32,
+    hit: Option<TriangleHit>,
+    collector: &mut H,
+    counter: &mut C,
+) -> ControlFlow<()> {
+    match hit {
         Some(hit) => {
             let candidate = Candidate {
                 primitive,
@@ -331,7 +346,7 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     let kernel = K::new(ray);
     for lane in lanes(uncertain) {
         let (triangle, primitive) = (block.triangle(lane), block.used_number(lane));
-        offer_triangle(&kernel, &triangle, primitive, collector, counter)?;
+        test_filtered(&kernel, &triangle, primitive, collector, counter)?;
     }
     ControlFlow::Continue(())
 }
