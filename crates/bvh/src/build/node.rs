@@ -100,7 +100,7 @@ impl Shift {
     clippy::cast_possible_truncation,
     reason = "trees have fewer than 2^30 nodes and references"
 )]
-fn to_u32(index: usize) -> u32 {
+pub(super) fn to_u32(index: usize) -> u32 {
     debug_assert!(index < LEAF as usize, "{index} is too large");
     index as u32
 }

@@ -51,7 +51,8 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for Batch<'_, K, H> {
     }
 }
 
-/// Whether neighbours in a list of rays begin near each other and go nearly the same way, as a sample tells.
+/// Whether neighbours in a list of rays begin near each other and go nearly the same way, as a sample tells. The limits tell the rays of a camera from bounced
+/// ones; they were not tuned further.
 fn are_coherent(rays: &[Ray], size: f32) -> bool {
     const SAMPLES: usize = 64;
     let step = (rays.len() / SAMPLES).max(1);

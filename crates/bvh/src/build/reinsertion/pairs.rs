@@ -1,6 +1,6 @@
 //! A binary tree whose nodes can be moved: siblings stand side by side and know their parent.
 
-use crate::build::node::{BuildNode, Link};
+use crate::build::node::{BuildNode, Link, to_u32};
 use crate::build::reference::Bounds;
 use crate::build::{BinaryTree, MAX_DEPTH};
 use crate::parallel::collect;
@@ -250,13 +250,4 @@ impl Measures {
         }
         measures
     }
-}
-
-#[expect(
-    clippy::cast_possible_truncation,
-    reason = "trees have at most 2^30 nodes"
-)]
-fn to_u32(index: usize) -> u32 {
-    debug_assert!(index < GROUP as usize, "{index} is too large");
-    index as u32
 }
