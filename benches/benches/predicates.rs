@@ -23,6 +23,18 @@ struct Case {
     neighbour: Triangle,
 }
 
+impl Case {
+    /// A ray to a target, and two triangles that share the edge between the first two corners.
+    fn new([a, b, c, d]: [Vec3; 4], origin: Vec3, target: Vec3) -> Self {
+        Self {
+            ray: Ray::new(origin, target - origin),
+            target,
+            triangle: Triangle::new(a, b, c),
+            neighbour: Triangle::new(b, a, d),
+        }
+    }
+}
+
 fn main() {
     let mut criterion = Criterion::default().configure_from_args();
     let [easy, degenerate] = [easy(), degenerate()];
@@ -81,12 +93,7 @@ fn easy() -> Vec<Case> {
     let cube = Aabb::new(Vec3::ZERO, Vec3::ONE);
     let mut case = || {
         let [a, b, c, d, origin, target] = [(); 6].map(|()| random.point_in(&cube));
-        Case {
-            ray: Ray::new(origin, target - origin),
-            target,
-            triangle: Triangle::new(a, b, c),
-            neighbour: Triangle::new(b, a, d),
-        }
+        Case::new([a, b, c, d], origin, target)
     };
     (0..CASES).map(|_| case()).collect()
 }
@@ -99,12 +106,7 @@ fn degenerate() -> Vec<Case> {
         let [a, b, c, d] = [(); 4].map(|()| point());
         let origin = point() + 200.0 * Vec3::X;
         let target = 0.5 * (a + b);
-        Case {
-            ray: Ray::new(origin, target - origin),
-            target,
-            triangle: Triangle::new(a, b, c),
-            neighbour: Triangle::new(b, a, d),
-        }
+        Case::new([a, b, c, d], origin, target)
     };
     (0..CASES).map(|_| case()).collect()
 }
