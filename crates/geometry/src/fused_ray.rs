@@ -27,7 +27,11 @@ use std::ops::RangeInclusive;
 
 use glam::Vec4;
 
-use crate::{Aabb, Ray, kernel};
+use crate::{Aabb, Ray};
+
+mod packet;
+
+pub use packet::{FusedPacket, GatheredBounds, PacketBounds, RayLanes};
 
 /// A ray prepared for vector box tests that never lose a hit of a kernel. The fourth components mean nothing.
 #[derive(Clone, Copy, Debug)]
@@ -95,12 +99,8 @@ impl FusedRay {
         let farthest = (size + origin.abs().max_element()) * (1.0 + SHIFT);
         let mut shift = size * SHIFT_OF_SIZE;
         if reach > 0.0 {
-            #[expect(
-                clippy::cast_possible_truncation,
-                reason = "the factor covers the rounding"
-            )]
-            let reach = kernel::reach(reach, f64::from(farthest)) as f32;
-            shift += reach * (1.0 + SHIFT);
+            let [relative, absolute] = shift_for(reach);
+            shift += (relative * farthest + absolute) * (1.0 + SHIFT);
         }
         if ray.t_min < 0.0 {
             shift += SHIFT_BEHIND * farthest;
@@ -122,6 +122,13 @@ impl FusedRay {
             farthest,
         }
     }
+}
+
+/// The shift of the origin for a kernel that accepts what is within its reach, in `f32` as [`reach`](crate::kernel::reach) has it: relative to the largest
+/// distance, and the rest. Both are exact, for a reach is a power of two.
+#[inline(always)]
+const fn shift_for(reach: f32) -> [f32; 2] {
+    [reach / (1u32 << 24) as f32, reach * f32::from_bits(1)]
 }
 
 impl FusedSlabs {

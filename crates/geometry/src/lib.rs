@@ -106,7 +106,9 @@ pub use axis::Axis;
 pub use brute_force::BruteForce;
 pub use clipped_triangle::{ClippedTriangle, ClippedVertex};
 pub use conservative_ray::{ConservativeRay, Interval, Slabs};
-pub use fused_ray::{FusedRay, FusedSlabs, size_of_bounds};
+pub use fused_ray::{
+    FusedPacket, FusedRay, FusedSlabs, GatheredBounds, PacketBounds, RayLanes, size_of_bounds,
+};
 pub use glam;
 pub use kernel::{
     BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop,

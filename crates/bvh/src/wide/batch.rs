@@ -1,6 +1,6 @@
-//! Many rays at a time.
+//! Many rays at a time: coherent ones in [packets](super::packets), others in turns or one by one.
 //!
-//! A single ray spends most of its time waiting: for the next node to come from memory, for one result of a chain of others, for a
+//! **In turns.** A single ray spends most of its time waiting: for the next node to come from memory, for one result of a chain of others, for a
 //! branch that was foreseen wrongly. So a thread has several rays in flight and gives each a step, a node or a leaf, in turn: while one waits the others work. What a ray
 //! needs next is asked for at the end of its step.
 //!
@@ -16,7 +16,8 @@ use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
 
 use super::leaf::Leaf;
 use super::order::nearest_child;
-use super::slabs::Slabs;
+use super::packets::Packets;
+use super::slabs::{SlabConstants, Slabs};
 use super::stack::Stack;
 use super::traverse::Search;
 use super::{Child, Kind, WideBvh};
@@ -41,9 +42,9 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for Batch<'_, K, H> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        // Neighbours that go the same way find in the caches what the ray before them left there.
-        let waits = self.bvh.bytes() > CACHED && !are_coherent(self.rays, self.bvh.size);
-        if waits {
+        if are_coherent(self.rays, self.bvh.size) {
+            simd.outline(Packets(self));
+        } else if self.bvh.bytes() > CACHED {
             simd.outline(Turns(self));
         } else {
             simd.outline(OneByOne(self));
@@ -79,21 +80,30 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for OneByOne<'_, K, H> {
             bvh, rays, answers, ..
         } = self.0;
         for (ray, answer) in rays.iter().zip(answers) {
-            let mut collector = H::new(ray);
-            *answer = if ray.is_valid() {
-                let search = Search::<K, H, ()> {
-                    bvh,
-                    ray,
-                    kernel: PhantomData,
-                    collector: &mut collector,
-                    counter: &mut (),
-                };
-                search.with_simd(simd)
-            } else {
-                collector.finish::<K, ()>(ray, &mut ())
-            };
+            *answer = search_one::<S, K, H>(simd, bvh, ray);
         }
     }
+}
+
+/// The search of a ray; one that is not valid hits nothing.
+#[inline(always)]
+pub(super) fn search_one<S: Simd, K: TriangleKernel, H: HitCollector>(
+    simd: S,
+    bvh: &WideBvh,
+    ray: &Ray,
+) -> H::Answer {
+    let mut collector = H::new(ray);
+    if !ray.is_valid() {
+        return collector.finish::<K, ()>(ray, &mut ());
+    }
+    let search = Search::<K, H, ()> {
+        bvh,
+        ray,
+        kernel: PhantomData,
+        collector: &mut collector,
+        counter: &mut (),
+    };
+    search.with_simd(simd)
 }
 
 /// Several rays in flight.
@@ -201,7 +211,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         let nearest = match self.child.kind() {
             Kind::Inner(index) => {
                 let node = bvh.node(index);
-                let slabs = Slabs::new(simd, &self.fused, self.ray.t_min);
+                let slabs = Slabs::new(simd, &SlabConstants::new(&self.fused, self.ray.t_min));
                 let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
                 let hits = simd.bits(hits);
                 if hits == 0 {

@@ -1,46 +1,63 @@
 //! The test of a ray against the boxes of a node.
 
-use tahko_geometry::glam::Vec4;
 use tahko_geometry::simd::Simd;
 use tahko_geometry::{FusedRay, FusedSlabs};
 
 use super::WideNode;
 
-/// What the boxes of nodes are tested with.
-pub(super) struct Slabs<S: Simd> {
-    simd: S,
-    near: Planes<S>,
-    far: Planes<S>,
+/// What the boxes of nodes are tested with, in memory: single numbers, which a load puts into all lanes.
+#[derive(Clone, Copy)]
+#[repr(C)]
+pub(super) struct SlabConstants {
+    /// By axis: reciprocals and offsets of near planes, then of far planes.
+    near: [[f32; 2]; 3],
+    far: [[f32; 2]; 3],
+    t_min: f32,
     negative: [bool; 3],
-    t_min: S::F32s,
 }
 
-/// What near planes, or far planes, are tested with.
-struct Planes<S: Simd> {
-    reciprocal: [S::F32s; 3],
-    offset: [S::F32s; 3],
-}
-
-impl<S: Simd> Planes<S> {
+impl SlabConstants {
     #[inline(always)]
-    fn new(simd: S, slabs: &FusedSlabs) -> Self {
+    pub(super) fn new(ray: &FusedRay, t_min: f32) -> Self {
+        let planes = |slabs: &FusedSlabs| {
+            let FusedSlabs {
+                reciprocal, offset, ..
+            } = slabs;
+            [
+                [reciprocal.x, offset.x],
+                [reciprocal.y, offset.y],
+                [reciprocal.z, offset.z],
+            ]
+        };
         Self {
-            reciprocal: splat(simd, slabs.reciprocal),
-            offset: splat(simd, slabs.offset),
+            near: planes(&ray.near),
+            far: planes(&ray.far),
+            negative: [1, 2, 4].map(|bit| ray.negative & bit != 0),
+            // Entries are ordered as integers: no negative zero.
+            t_min: t_min + 0.0,
         }
     }
 }
 
+/// What the boxes of nodes are tested with, in registers.
+pub(super) struct Slabs<S: Simd> {
+    simd: S,
+    /// By axis: reciprocals and offsets of near planes, then of far planes.
+    near: [[S::F32s; 2]; 3],
+    far: [[S::F32s; 2]; 3],
+    negative: [bool; 3],
+    t_min: S::F32s,
+}
+
 impl<S: Simd> Slabs<S> {
     #[inline(always)]
-    pub(super) fn new(simd: S, ray: &FusedRay, t_min: f32) -> Self {
+    pub(super) fn new(simd: S, constants: &SlabConstants) -> Self {
         Self {
             simd,
-            near: Planes::new(simd, &ray.near),
-            far: Planes::new(simd, &ray.far),
-            negative: [1, 2, 4].map(|bit| ray.negative & bit != 0),
-            // Entries are ordered as integers: no negative zero.
-            t_min: simd.splat(t_min + 0.0),
+            near: splat(simd, &constants.near),
+            far: splat(simd, &constants.far),
+            negative: constants.negative,
+            t_min: simd.splat(constants.t_min),
         }
     }
 
@@ -65,19 +82,15 @@ impl<S: Simd> Slabs<S> {
         let far = self
             .simd
             .load(&node.bounds[axis][usize::from(!is_negative)]);
-        let t = |planes: &Planes<S>, places: S::F32s| {
-            self.simd
-                .mul_add(places, planes.reciprocal[axis], planes.offset[axis])
+        let t = |[reciprocal, offset]: [S::F32s; 2], places: S::F32s| {
+            self.simd.mul_add(places, reciprocal, offset)
         };
-        (t(&self.near, near), t(&self.far, far))
+        (t(self.near[axis], near), t(self.far[axis], far))
     }
 }
 
 #[inline(always)]
-fn splat<S: Simd>(simd: S, vector: Vec4) -> [S::F32s; 3] {
-    [
-        simd.splat(vector.x),
-        simd.splat(vector.y),
-        simd.splat(vector.z),
-    ]
+fn splat<S: Simd>(simd: S, [x, y, z]: &[[f32; 2]; 3]) -> [[S::F32s; 2]; 3] {
+    let planes = |[reciprocal, offset]: &[f32; 2]| [simd.splat(*reciprocal), simd.splat(*offset)];
+    [planes(x), planes(y), planes(z)]
 }

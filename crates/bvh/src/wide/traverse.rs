@@ -7,6 +7,7 @@
 //! number. So the answer is that of testing every triangle, at every level of instructions.
 
 use std::marker::PhantomData;
+use std::ops::ControlFlow;
 
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Simd, WithSimd};
@@ -17,7 +18,7 @@ use tahko_geometry::{
 use super::batch::Batch;
 use super::leaf::Leaf;
 use super::order::nearest_child;
-use super::slabs::Slabs;
+use super::slabs::{SlabConstants, Slabs};
 use super::stack::Stack;
 use super::{Child, Kind, WideBvh};
 use crate::Bvh;
@@ -119,11 +120,45 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
         }
         let fused = FusedRay::new(ray, bvh.size, K::REACH);
         let filter = K::Block::new(ray, &fused);
-        let slabs = Slabs::new(simd, &fused, ray.t_min);
+        let way = Way::<K, H, C> {
+            bvh,
+            ray,
+            slabs: &SlabConstants::new(&fused, ray.t_min),
+            filter: &filter,
+            collector,
+            counter,
+        };
+        let (ControlFlow::Break(()) | ControlFlow::Continue(())) = way.search(simd, bvh.root);
+    }
+}
+
+/// A ray's way through a subtree.
+pub(super) struct Way<'a, K: TriangleKernel, H, C> {
+    pub(super) bvh: &'a WideBvh,
+    pub(super) ray: &'a Ray,
+    pub(super) slabs: &'a SlabConstants,
+    pub(super) filter: &'a K::Block,
+    pub(super) collector: &'a mut H,
+    pub(super) counter: &'a mut C,
+}
+
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> Way<'_, K, H, C> {
+    /// Searches what is below a child. `Break` if the search is over.
+    #[inline(always)]
+    pub(super) fn search<S: Simd>(self, simd: S, below: Child) -> ControlFlow<()> {
+        let Self {
+            bvh,
+            ray,
+            slabs,
+            filter,
+            collector,
+            counter,
+        } = self;
+        let slabs = Slabs::new(simd, slabs);
         let mut room = Stack::room();
         let mut stack = Stack::new(&mut room);
         let mut t_max = collector.t_max();
-        let mut current = bvh.root;
+        let mut current = below;
         loop {
             // Nodes have a loop of their own, without calls: what they are tested with stays in registers.
             let limit = simd.splat(t_max);
@@ -146,23 +181,21 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
                 };
                 match nearest {
                     Some(child) => current = child,
-                    None => return,
+                    None => return ControlFlow::Continue(()),
                 }
             };
             let leaf = Leaf::<K, H, C> {
                 blocks: bvh.blocks_from(first_block),
                 ray,
-                filter: &filter,
+                filter,
                 collector: &mut *collector,
                 counter: &mut *counter,
             };
-            if simd.outline(leaf).is_break() {
-                return;
-            }
+            simd.outline(leaf)?;
             t_max = collector.t_max();
             match stack.pop_before::<H>(t_max) {
                 Some(child) => current = child,
-                None => return,
+                None => return ControlFlow::Continue(()),
             }
         }
     }

@@ -73,13 +73,13 @@ fn around(value: &RBig) -> Option<[f32; 2]> {
 }
 
 /// The smallest box around the point of a ray at `t`, moved in each coordinate by up to `reach` times the distance from the origin.
-fn box_around(ray: &Ray, t: f32, reach: f32, signs: [i8; 3]) -> Option<Aabb> {
+pub(super) fn box_around(ray: &Ray, t: f32, reach: f32, signs: [i8; 3]) -> Option<Aabb> {
     let point = [0, 1, 2].map(|axis| {
         let way = exact(t) * exact(ray.direction[axis]);
         (exact(ray.origin[axis]) + way.clone(), way)
     });
     let ways = point.iter().map(|(_, way)| way.to_f64().value().abs());
-    let moved = kernel::reach(reach, ways.fold(0.0, f64::max));
+    let moved = crate::kernel::reach(reach, ways.fold(0.0, f64::max));
     let mut bounds = Aabb::EMPTY;
     for axis in 0..3 {
         let moved = RBig::try_from(f64::from(signs[axis]) * moved).ok()?;
@@ -109,7 +109,7 @@ fn vector(power: std::ops::Range<i32>) -> impl Strategy<Value = Vec3> {
 }
 
 /// An origin, a direction and a `t`: of ordinary sizes, on a grid, and of any size.
-fn point_of_ray() -> impl Strategy<Value = (Vec3, Vec3, f32)> {
+pub(super) fn point_of_ray() -> impl Strategy<Value = (Vec3, Vec3, f32)> {
     let positive_or_not = |powers| number(powers).boxed();
     let ordinary = (vector(-8..8), vector(-20..2), positive_or_not(-6..10));
     let grid = (

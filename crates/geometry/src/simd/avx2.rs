@@ -130,6 +130,10 @@ impl Simd for Avx2 {
         intrinsic!(_mm256_or_ps(a, b))
     }
     #[inline(always)]
+    fn select(self, mask: __m256, a: __m256, b: __m256) -> __m256 {
+        intrinsic!(_mm256_blendv_ps(b, a, mask))
+    }
+    #[inline(always)]
     #[expect(clippy::cast_sign_loss, reason = "the lowest eight bits")]
     fn bits(self, mask: __m256) -> u32 {
         intrinsic!(_mm256_movemask_ps(mask)) as u32

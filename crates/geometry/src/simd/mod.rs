@@ -74,6 +74,8 @@ pub trait Simd: Copy {
     fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
     /// Where at least one is true.
     fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask;
+    /// `a` where the mask is true, otherwise `b`.
+    fn select(self, mask: Self::Mask, a: Self::F32s, b: Self::F32s) -> Self::F32s;
     /// Bit `i` for lane `i`.
     fn bits(self, mask: Self::Mask) -> u32;
 

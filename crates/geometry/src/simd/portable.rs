@@ -85,6 +85,10 @@ impl Simd for Portable {
         map(a, b, |a, b| a | b)
     }
     #[inline(always)]
+    fn select(self, mask: Self::Mask, a: Self::F32s, b: Self::F32s) -> Self::F32s {
+        std::array::from_fn(|lane| if mask[lane] { a[lane] } else { b[lane] })
+    }
+    #[inline(always)]
     fn bits(self, mask: Self::Mask) -> u32 {
         let lanes = mask.into_iter().enumerate();
         lanes.fold(0, |bits, (lane, is_set)| bits | u32::from(is_set) << lane)

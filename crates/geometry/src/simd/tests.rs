@@ -30,6 +30,7 @@ impl WithSimd for Operations {
             ("min", lanes(simd.min(x, y))),
             ("max", lanes(simd.max(x, y))),
             ("abs", lanes(simd.abs(x))),
+            ("select", lanes(simd.select(less, y, z))),
             ("lt", mask(less)),
             ("le", mask(simd.le(x, y))),
             ("and", mask(simd.and(less, not_more))),
@@ -68,7 +69,7 @@ fn are_equal(name: &str, found: u32, expected: u32) -> bool {
 }
 
 /// Every operation as the trait defines it, number by number.
-fn by_definition([a, b, c]: [f32; 3], first: f32) -> [u32; 13] {
+fn by_definition([a, b, c]: [f32; 3], first: f32) -> [u32; 14] {
     let (less, not_more) = (a < b, b <= c);
     let numbers = [
         a,
@@ -80,13 +81,14 @@ fn by_definition([a, b, c]: [f32; 3], first: f32) -> [u32; 13] {
         if a < b { a } else { b },
         if a > b { a } else { b },
         f32::from_bits(a.to_bits() & (u32::MAX >> 1)),
+        if less { b } else { c },
     ];
     let truths = [less, a <= b, less && not_more, less || not_more];
     let mut all = numbers
         .map(f32::to_bits)
         .into_iter()
         .chain(truths.map(u32::from));
-    std::array::from_fn(|_| all.next().expect("nine numbers and four truth values"))
+    std::array::from_fn(|_| all.next().expect("ten numbers and four truth values"))
 }
 
 fn check(vectors: [Lanes; 3]) {

@@ -23,6 +23,21 @@ where
     answers
 }
 
+/// The same in packets, however different the rays.
+fn in_packets<K: TriangleKernel, H: HitCollector>(bvh: &Bvh, rays: &[Ray]) -> Vec<H::Answer>
+where
+    H::Answer: Clone + Default,
+{
+    let mut answers = vec![H::Answer::default(); rays.len()];
+    bvh.simd().dispatch(Packets(Batch::<K, H> {
+        bvh: bvh.layout(),
+        rays,
+        answers: &mut answers,
+        kernel: PhantomData,
+    }));
+    answers
+}
+
 fn check<K: TriangleKernel>(mesh: &TriangleMesh, rays: &[Ray], precision: Precision) {
     let options = BvhOptions::default().with_precision(precision);
     let bvh = Bvh::build(mesh, &options).expect("options in range");
@@ -38,6 +53,12 @@ fn check<K: TriangleKernel>(mesh: &TriangleMesh, rays: &[Ray], precision: Precis
         let any: Vec<bool> = rays.iter().map(|ray| bvh.any_hit(ray)).collect();
         assert_eq!(in_turns::<K, ClosestHit>(&bvh, rays), closest, "{level:?}");
         assert_eq!(in_turns::<K, AnyHit>(&bvh, rays), any, "{level:?}");
+        assert_eq!(
+            in_packets::<K, ClosestHit>(&bvh, rays),
+            closest,
+            "{level:?}"
+        );
+        assert_eq!(in_packets::<K, AnyHit>(&bvh, rays), any, "{level:?}");
         let mut hits = vec![None; rays.len()];
         bvh.closest_hits(rays, &mut hits);
         assert_eq!(hits, closest, "{level:?}");
@@ -62,6 +83,34 @@ proptest! {
     #[test]
     fn rays_at_features_are_answered_as_single_rays_are(mesh in mesh()) {
         let rays: Vec<Ray> = rays_at_features(&mesh).into_iter().take(100).collect();
+        check_all_precisions(&mesh, &rays);
+    }
+}
+
+/// Rays side by side from one place to all over a mesh, in its vertices among them, so that packets are full and split up on their way.
+fn fan_at_features(mesh: &TriangleMesh, from: Vec3) -> Vec<Ray> {
+    let corners = (0..mesh.len()).flat_map(|index| mesh.triangle(index).vertices());
+    let targets = corners.flat_map(|corner| [corner, corner + Vec3::new(0.01, -0.02, 0.005)]);
+    let targets = targets.take(192).enumerate();
+    let origin = |index: usize| from + (index % 3) as f32 * 1e-3;
+    targets
+        .map(|(index, target)| Ray::new(origin(index), target - origin(index)))
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(64))]
+
+    #[test]
+    fn packets_answer_as_single_rays_do(
+        mesh in mesh(),
+        from in prop::sample::select(vec![Vec3::new(9.0, 8.0, 7.0), Vec3::new(-6.0, 0.5, 0.0), Vec3::ZERO]),
+        segments in any::<bool>(),
+    ) {
+        let mut rays = fan_at_features(&mesh, from);
+        if segments {
+            rays.iter_mut().for_each(|ray| ray.t_max = 1.0);
+        }
         check_all_precisions(&mesh, &rays);
     }
 }

@@ -1,0 +1,313 @@
+//! The traversal of a packet: rays that go nearly the same way.
+//!
+//! A node is tested once for all rays, by [what bounds them](Frustum). The boxes that this leaves are tested, when their turn comes, with
+//! eight rays at a time. Where few rays are left, each goes on alone.
+
+use std::marker::PhantomData;
+use std::ops::ControlFlow;
+
+use tahko_geometry::kernel::BlockFilter;
+use tahko_geometry::simd::{LANES, Lanes, Simd, WithSimd};
+use tahko_geometry::{
+    FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes, TriangleKernel,
+};
+
+use super::frustum::Frustum;
+use super::leaf::Leaf;
+use super::slabs::SlabConstants;
+use super::traverse::Way;
+use super::{Child, Kind, WideBvh, WideNode};
+
+/// Rays of a packet at most: one bit each.
+pub(super) const SIZE: usize = 64;
+const GROUPS: usize = SIZE / LANES;
+/// So few rays go on alone. Measured with 2 to 24: the more the better where neighbours part soon, by up to a sixth (shadow rays among hairs), the fewer the better
+/// where they do not, by up to a tenth.
+const FEW: u32 = 8;
+
+/// Rays that go into the same octant and begin at zero or later, with what they have found.
+pub(super) struct Packet<'a, H> {
+    rays: [RayLanes; GROUPS],
+    fused: [FusedPacket; GROUPS],
+    members: Vec<Member<'a, H>>,
+    waiting: Vec<Waiting>,
+}
+
+/// A ray of a packet.
+pub(super) struct Member<'a, H> {
+    pub(super) ray: &'a Ray,
+    pub(super) collector: H,
+    /// Its place in the batch.
+    pub(super) index: usize,
+}
+
+/// A child that waits.
+#[derive(Clone, Copy)]
+struct Waiting {
+    /// A bit for each ray that has entered its parent.
+    rays: u64,
+    /// The parent, and where in it the child is.
+    node: Child,
+    lane: usize,
+    /// No ray enters it before.
+    start: f32,
+}
+
+impl<'a, H: HitCollector> Packet<'a, H> {
+    /// Room for a packet.
+    pub(super) fn new() -> Self {
+        let anything = Ray::new(
+            tahko_geometry::glam::Vec3::ZERO,
+            tahko_geometry::glam::Vec3::ONE,
+        );
+        Self {
+            rays: [RayLanes::splat(&anything); GROUPS],
+            fused: [FusedPacket::EMPTY; GROUPS],
+            members: Vec::with_capacity(SIZE),
+            waiting: Vec::new(),
+        }
+    }
+
+    /// Adds a ray to fewer than [`SIZE`].
+    #[inline(always)]
+    pub(super) fn push(&mut self, index: usize, ray: &'a Ray) {
+        let place = self.members.len();
+        if place.is_multiple_of(LANES) {
+            // Lanes that are not used have a ray of the packet, for the bounds, and take no part.
+            let lanes = &mut self.rays[place / LANES % GROUPS];
+            *lanes = RayLanes::splat(ray);
+            lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
+        }
+        self.rays[place / LANES % GROUPS].set(place % LANES, ray);
+        self.members.push(Member {
+            ray,
+            collector: H::new(ray),
+            index,
+        });
+    }
+
+    /// The rays; the packet is empty afterwards.
+    pub(super) fn drain(&mut self) -> impl Iterator<Item = Member<'a, H>> {
+        self.members.drain(..)
+    }
+
+    fn groups(&self) -> usize {
+        self.members.len().div_ceil(LANES)
+    }
+
+    /// The largest `t` that still matters to any ray.
+    #[inline(always)]
+    fn t_max<S: Simd>(&self, simd: S) -> f32 {
+        let groups = &self.rays[..self.groups()];
+        let largest = groups
+            .iter()
+            .fold(simd.splat(f32::NEG_INFINITY), |largest, rays| {
+                simd.max(largest, simd.load(&rays.t_max))
+            });
+        let lanes = simd.store(largest).0;
+        lanes.into_iter().fold(f32::NEG_INFINITY, f32::max)
+    }
+
+    /// Which rays meet the box of a child.
+    #[inline(always)]
+    fn clip<S: Simd>(
+        &self,
+        simd: S,
+        node: &WideNode,
+        lane: usize,
+        negative: u32,
+        rays: u64,
+    ) -> u64 {
+        let plane = |axis: usize, side: usize| {
+            let side = side ^ (negative >> axis & 1) as usize;
+            simd.splat(node.bounds[axis][side].0[lane])
+        };
+        let near_planes = [plane(0, 0), plane(1, 0), plane(2, 0)];
+        let far_planes = [plane(0, 1), plane(1, 1), plane(2, 1)];
+        let mut met = 0;
+        for group in 0..GROUPS {
+            if rays >> (LANES * group) & 0xff == 0 {
+                continue;
+            }
+            let (lanes, fused) = (&self.rays[group], &self.fused[group]);
+            let place = |plane: S::F32s, [reciprocal, offset]: &[Lanes; 2]| {
+                simd.mul_add(plane, simd.load(reciprocal), simd.load(offset))
+            };
+            let near = |axis: usize| place(near_planes[axis], &fused.near[axis]);
+            let far = |axis: usize| place(far_planes[axis], &fused.far[axis]);
+            let start = simd.max(
+                simd.max(near(0), near(1)),
+                simd.max(near(2), simd.load(&lanes.t_min)),
+            );
+            let end = simd.min(
+                simd.min(far(0), far(1)),
+                simd.min(far(2), simd.load(&lanes.t_max)),
+            );
+            met |= u64::from(simd.bits(simd.le(start, end))) << (LANES * group);
+        }
+        met & rays
+    }
+
+    /// Does something with some rays that may lead to their answers, and tells which of them have it.
+    #[inline(always)]
+    fn advance(
+        &mut self,
+        rays: u64,
+        mut step: impl FnMut(&mut Member<'a, H>) -> ControlFlow<()>,
+    ) -> u64 {
+        let mut done = 0;
+        for place in bits(rays) {
+            let member = &mut self.members[place];
+            let t_max = if step(member).is_break() {
+                done |= 1 << place;
+                f32::NEG_INFINITY
+            } else {
+                member.collector.t_max()
+            };
+            self.rays[place / LANES].t_max.0[place % LANES] = t_max;
+        }
+        done
+    }
+
+    /// Lets the children of a node wait, the nearest one in front.
+    #[inline(always)]
+    fn wait(&mut self, node: Child, starts: &Lanes, hits: u32, rays: u64) {
+        let first = self.waiting.len();
+        for lane in bits(u64::from(hits)) {
+            let child = Waiting {
+                rays,
+                node,
+                lane,
+                start: starts.0[lane % LANES],
+            };
+            let mut place = self.waiting.len();
+            self.waiting.push(child);
+            while H::ORDERED && place > first && self.waiting[place - 1].start < child.start {
+                self.waiting[place] = self.waiting[place - 1];
+                place -= 1;
+            }
+            self.waiting[place] = child;
+        }
+    }
+}
+
+/// The numbers of the bits that are set.
+#[inline(always)]
+pub(super) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let index = mask.trailing_zeros();
+        (mask != 0).then(|| {
+            mask &= mask - 1;
+            index as usize % SIZE
+        })
+    })
+}
+
+/// The searches of the rays of a packet, of which there is at least one.
+pub(super) struct PacketSearch<'p, 'a, K, H> {
+    pub(super) bvh: &'p WideBvh,
+    pub(super) packet: &'p mut Packet<'a, H>,
+    pub(super) negative: u32,
+    pub(super) kernel: PhantomData<K>,
+}
+
+impl<K: TriangleKernel, H: HitCollector> WithSimd for PacketSearch<'_, '_, K, H> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self {
+            bvh,
+            packet,
+            negative,
+            ..
+        } = self;
+        let mut bounds = GatheredBounds::new(negative);
+        let size = (bvh.size, K::REACH);
+        for group in 0..packet.groups() {
+            packet.fused[group].prepare(simd, &packet.rays[group], negative, size, &mut bounds);
+        }
+        let frustum = Frustum::new(simd, &bounds.all_lanes(negative), negative);
+        let mut searching = u64::MAX >> (SIZE - packet.members.len());
+        let mut t_max = packet.t_max(simd);
+        packet.waiting.clear();
+        let mut next = Some((bvh.root, searching));
+        loop {
+            if let Some((child, rays)) = next.take() {
+                if let Kind::Inner(index) = child.kind()
+                    && rays.count_ones() > FEW
+                {
+                    let (starts, hits) = frustum.clip(bvh.node(index), t_max);
+                    packet.wait(child, &starts, hits, rays);
+                } else {
+                    let done = match child.kind() {
+                        Kind::Inner(_) => packet.advance(rays, |member| {
+                            simd.outline(Alone::<K, H>(bvh, member, child, PhantomData))
+                        }),
+                        Kind::Leaf(first_block) => packet.advance(rays, |member| {
+                            simd.outline(LeafOf::<K, H>(bvh, member, first_block, PhantomData))
+                        }),
+                    };
+                    searching &= !done;
+                    if searching == 0 {
+                        return;
+                    }
+                    t_max = packet.t_max(simd);
+                }
+            }
+            let Some(waiting) = packet.waiting.pop() else {
+                return;
+            };
+            if waiting.start > t_max {
+                continue;
+            }
+            let node = bvh.node(waiting.node.index());
+            let lane = waiting.lane % LANES;
+            let rays = packet.clip(simd, node, lane, negative, waiting.rays & searching);
+            next = (rays != 0).then_some((node.children[lane], rays));
+        }
+    }
+}
+
+/// A ray's test of a leaf.
+struct LeafOf<'m, 'a, K, H>(&'m WideBvh, &'m mut Member<'a, H>, usize, PhantomData<K>);
+
+impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOf<'_, '_, K, H> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
+        let Self(bvh, member, first_block, _) = self;
+        let fused = FusedRay::new(member.ray, bvh.size, K::REACH);
+        let leaf = Leaf::<K, H, ()> {
+            blocks: bvh.blocks_from(first_block),
+            ray: member.ray,
+            filter: &K::Block::new(member.ray, &fused),
+            collector: &mut member.collector,
+            counter: &mut (),
+        };
+        leaf.with_simd(simd)
+    }
+}
+
+/// A ray's way through a subtree.
+struct Alone<'m, 'a, K, H>(&'m WideBvh, &'m mut Member<'a, H>, Child, PhantomData<K>);
+
+impl<K: TriangleKernel, H: HitCollector> WithSimd for Alone<'_, '_, K, H> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
+        let Self(bvh, member, child, _) = self;
+        let fused = FusedRay::new(member.ray, bvh.size, K::REACH);
+        let way = Way::<K, H, ()> {
+            bvh,
+            ray: member.ray,
+            slabs: &SlabConstants::new(&fused, member.ray.t_min),
+            filter: &K::Block::new(member.ray, &fused),
+            collector: &mut member.collector,
+            counter: &mut (),
+        };
+        way.search(simd, child)
+    }
+}

@@ -1,0 +1,80 @@
+//! The packets of a batch of coherent rays.
+
+use std::marker::PhantomData;
+
+use tahko_geometry::simd::{Simd, WithSimd};
+use tahko_geometry::{HitCollector, Ray, TriangleKernel};
+
+use super::Child;
+use super::batch::{Batch, search_one};
+use super::packet::{Packet, PacketSearch, SIZE, bits};
+
+/// Rays at least for a packet; fewer are searched one by one.
+const FEWEST: u32 = 8;
+
+/// The searches of a batch, whose neighbours make up packets as far as they go into the same octant.
+pub(super) struct Packets<'a, K: TriangleKernel, H: HitCollector>(pub(super) Batch<'a, K, H>);
+
+impl<K: TriangleKernel, H: HitCollector> WithSimd for Packets<'_, K, H> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Batch {
+            bvh, rays, answers, ..
+        } = self.0;
+        let mut packet = Packet::<H>::new();
+        for (rays, answers) in rays.chunks(SIZE).zip(answers.chunks_mut(SIZE)) {
+            let mut octants = [None; SIZE];
+            for (place, ray) in octants.iter_mut().zip(rays) {
+                *place = octant(ray);
+            }
+            let mut left = u64::MAX >> (SIZE - rays.len());
+            while left != 0 {
+                let octant = octants[left.trailing_zeros() as usize % SIZE];
+                let members = left & places_of(octant, &octants);
+                left &= !members;
+                match octant {
+                    Some(negative)
+                        if members.count_ones() >= FEWEST && bvh.root != Child::NOTHING =>
+                    {
+                        for index in bits(members) {
+                            packet.push(index, &rays[index]);
+                        }
+                        simd.outline(PacketSearch::<K, H> {
+                            bvh,
+                            packet: &mut packet,
+                            negative: u32::from(negative),
+                            kernel: PhantomData,
+                        });
+                        for mut member in packet.drain() {
+                            let answer = member.collector.finish::<K, ()>(member.ray, &mut ());
+                            answers[member.index] = answer;
+                        }
+                    }
+                    _ => {
+                        for index in bits(members) {
+                            answers[index] = search_one::<S, K, H>(simd, bvh, &rays[index]);
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// The octant that a ray goes into, if it may be in a packet: bit `i` is set for a negative direction along axis `i`.
+#[inline(always)]
+fn octant(ray: &Ray) -> Option<u8> {
+    let octant = (ray.direction.is_negative_bitmask() & 7) as u8;
+    (ray.is_valid() & (ray.t_min >= 0.0)).then_some(octant)
+}
+
+/// A bit for each ray of an octant.
+#[inline(always)]
+fn places_of(octant: Option<u8>, octants: &[Option<u8>; SIZE]) -> u64 {
+    let places = octants.iter().enumerate();
+    places.fold(0, |members, (place, other)| {
+        members | u64::from(*other == octant) << place
+    })
+}

@@ -1,0 +1,232 @@
+//! Rays that go into the same octant, eight at a time.
+//!
+//! **All of them at once.** [`PacketBounds`] bound where any of them meets a plane: a near plane at `p` not before `(p - o) r`, with `o` the farthest of the shifted
+//! origins and `r` the reciprocal, of the smallest and the largest, that gives the smaller product; a far plane likewise. In exact arithmetic this is not above
+//! what each ray has with its own shifted origin and its own `r`. The difference and the product have a rounding each, where the factor of `r` has room for
+//! four. For a plane behind all of the shifted origins the product is negative, and so of no matter to rays that begin at zero or later, as all of a packet do. What underflows is
+//! covered as it is there.
+
+use crate::simd::{Lanes, Simd};
+use crate::{Axis, Ray};
+
+use super::{
+    DIRECTIONS, FARTHEST, FARTHEST_IN_SIZES, RELATIVE_WIDENING, SHIFT, SHIFT_OF_SIZE,
+    SMALLEST_COMPONENT, SMALLEST_SIZE, shift_for,
+};
+
+/// Eight rays, number by number.
+#[derive(Clone, Copy, Debug)]
+#[repr(C)]
+pub struct RayLanes {
+    origin: [Lanes; 3],
+    direction: [Lanes; 3],
+    /// The smallest `t` of each that counts.
+    pub t_min: Lanes,
+    /// The largest.
+    pub t_max: Lanes,
+}
+
+impl RayLanes {
+    /// Eight times the same ray.
+    #[must_use]
+    pub fn splat(ray: &Ray) -> Self {
+        let splat = |vector: glam::Vec3| vector.to_array().map(Lanes::splat);
+        Self {
+            origin: splat(ray.origin),
+            direction: splat(ray.direction),
+            t_min: Lanes::splat(ray.t_min + 0.0),
+            t_max: Lanes::splat(ray.t_max),
+        }
+    }
+
+    /// Puts a ray in the place of another one.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, ray: &Ray) {
+        for axis in Axis::ALL {
+            self.origin[axis as usize].0[lane] = ray.origin[axis as usize];
+            self.direction[axis as usize].0[lane] = ray.direction[axis as usize];
+        }
+        self.t_min.0[lane] = ray.t_min + 0.0;
+        self.t_max.0[lane] = ray.t_max;
+    }
+}
+
+/// Eight rays prepared as [`FusedRay`](super::FusedRay) prepares one.
+#[derive(Clone, Copy, Debug)]
+pub struct FusedPacket {
+    /// By axis: reciprocals and offsets for near planes.
+    pub near: [[Lanes; 2]; 3],
+    /// The same for far planes.
+    pub far: [[Lanes; 2]; 3],
+}
+
+/// [`PacketBounds`] while they are gathered, lane by lane.
+#[derive(Clone, Copy, Debug)]
+pub struct GatheredBounds {
+    /// By axis: the shifted origins from which near planes, and far planes, are nearest and farthest.
+    origins: [[Lanes; 2]; 3],
+    /// By axis: the smallest and the largest reciprocal.
+    reciprocals: [[Lanes; 2]; 3],
+}
+
+/// What bounds the origins and directions of all rays of a packet.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PacketBounds {
+    /// By axis, for near and far planes: the shifted origin.
+    pub origins: [[f32; 2]; 3],
+    /// By axis, for near and far planes: the smallest and the largest reciprocal, widened.
+    pub reciprocals: [[[f32; 2]; 2]; 3],
+}
+
+impl GatheredBounds {
+    /// Bounds of no rays, into an octant: bit `i` is set for a negative direction along axis `i`.
+    #[must_use]
+    pub fn new(negative: u32) -> Self {
+        let (low, high) = (Lanes::splat(f32::NEG_INFINITY), Lanes::splat(f32::INFINITY));
+        let origins = |bit: u32| {
+            if negative & bit == 0 {
+                [low, high]
+            } else {
+                [high, low]
+            }
+        };
+        Self {
+            origins: [1, 2, 4].map(origins),
+            reciprocals: [[high, low]; 3],
+        }
+    }
+
+    /// The bounds of all lanes.
+    #[inline(always)]
+    #[must_use]
+    pub fn all_lanes(&self, negative: u32) -> PacketBounds {
+        let smallest = |lanes: &Lanes| lanes.0.into_iter().fold(f32::INFINITY, f32::min);
+        let largest = |lanes: &Lanes| lanes.0.into_iter().fold(f32::NEG_INFINITY, f32::max);
+        PacketBounds {
+            origins: [0, 1, 2].map(|axis: usize| {
+                let [near, far] = &self.origins[axis];
+                if negative >> axis & 1 == 0 {
+                    [largest(near), smallest(far)]
+                } else {
+                    [smallest(near), largest(far)]
+                }
+            }),
+            reciprocals: [0, 1, 2].map(|axis: usize| {
+                let [low, high] = &self.reciprocals[axis];
+                let ends = [smallest(low), largest(high)];
+                // Rounding is monotone: these are the ends of the widened reciprocals.
+                [1.0 - RELATIVE_WIDENING, 1.0 + RELATIVE_WIDENING]
+                    .map(|factor| ends.map(|end| end * factor))
+            }),
+        }
+    }
+}
+
+impl FusedPacket {
+    /// Nothing.
+    pub const EMPTY: Self = Self {
+        near: [[Lanes::splat(0.0); 2]; 3],
+        far: [[Lanes::splat(0.0); 2]; 3],
+    };
+
+    /// Prepares rays that are valid, begin at zero or later, and go into the same octant, as [`FusedRay::new`](super::FusedRay::new) does, and adds them to bounds.
+    #[inline(always)]
+    pub fn prepare<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &RayLanes,
+        negative: u32,
+        size_and_reach: (f32, f32),
+        bounds: &mut GatheredBounds,
+    ) {
+        // No `map`: what is not inlined is compiled without the instructions of the level.
+        let [x, y, z] = &rays.origin;
+        let origin = [simd.load(x), simd.load(y), simd.load(z)];
+        let distance = [
+            simd.abs(origin[0]),
+            simd.abs(origin[1]),
+            simd.abs(origin[2]),
+        ];
+        let [x, y, z] = &rays.direction;
+        let magnitude = [
+            simd.abs(simd.load(x)),
+            simd.abs(simd.load(y)),
+            simd.abs(simd.load(z)),
+        ];
+        let shift = shift_of_all(simd, distance, magnitude, size_and_reach);
+
+        for axis in 0..3 {
+            let is_negative = negative >> axis & 1 != 0;
+            let sign = simd.splat(if is_negative { -1.0 } else { 1.0 });
+            let magnitude = simd.max(magnitude[axis], simd.splat(SMALLEST_COMPONENT));
+            let reciprocal = simd.div(sign, magnitude);
+            let shift = simd.mul(
+                simd.add(simd.mul(distance[axis], simd.splat(SHIFT)), shift),
+                sign,
+            );
+            let near_origin = simd.add(origin[axis], shift);
+            let far_origin = simd.sub(origin[axis], shift);
+            let planes = |origin: S::F32s, factor: f32| {
+                let reciprocal = simd.mul(reciprocal, simd.splat(factor));
+                let offset = simd.mul(simd.mul(origin, simd.splat(-1.0)), reciprocal);
+                [simd.store(reciprocal), simd.store(offset)]
+            };
+            self.near[axis] = planes(near_origin, 1.0 - RELATIVE_WIDENING);
+            self.far[axis] = planes(far_origin, 1.0 + RELATIVE_WIDENING);
+
+            let [smallest, largest] = &mut bounds.reciprocals[axis];
+            *smallest = simd.store(simd.min(simd.load(smallest), reciprocal));
+            *largest = simd.store(simd.max(simd.load(largest), reciprocal));
+            let [near, far] = &mut bounds.origins[axis];
+            if is_negative {
+                *near = simd.store(simd.min(simd.load(near), near_origin));
+                *far = simd.store(simd.max(simd.load(far), far_origin));
+            } else {
+                *near = simd.store(simd.max(simd.load(near), near_origin));
+                *far = simd.store(simd.min(simd.load(far), far_origin));
+            }
+        }
+    }
+}
+
+/// How far origins are shifted beside what is relative to their own coordinates; infinitely where nothing is culled.
+#[inline(always)]
+fn shift_of_all<S: Simd>(
+    simd: S,
+    distance: [S::F32s; 3],
+    magnitude: [S::F32s; 3],
+    (size, reach): (f32, f32),
+) -> S::F32s {
+    let largest = |[x, y, z]: [S::F32s; 3]| simd.max(simd.max(x, y), z);
+
+    let farthest = simd.mul(
+        simd.add(simd.splat(size), largest(distance)),
+        simd.splat(1.0 + SHIFT),
+    );
+    let mut shift = simd.splat(size * SHIFT_OF_SIZE);
+    if reach > 0.0 {
+        let [relative, absolute] = shift_for(reach);
+        let reach = simd.add(
+            simd.mul(simd.splat(relative), farthest),
+            simd.splat(absolute),
+        );
+        shift = simd.add(shift, simd.mul(reach, simd.splat(1.0 + SHIFT)));
+    }
+    let component = largest(magnitude);
+    let culls = simd.and(
+        simd.and(
+            simd.le(simd.splat(*DIRECTIONS.start()), component),
+            simd.le(component, simd.splat(*DIRECTIONS.end())),
+        ),
+        simd.le(farthest, simd.splat(FARTHEST.min(size * FARTHEST_IN_SIZES))),
+    );
+    let infinite = simd.splat(f32::INFINITY);
+    if size >= SMALLEST_SIZE {
+        simd.select(culls, shift, infinite)
+    } else {
+        infinite
+    }
+}
+
+#[cfg(test)]
+mod tests;
