@@ -1,4 +1,4 @@
-//! The exact kernels: a ladder of two filters and expansion arithmetic.
+//! The exact kernels: a ladder of two filters and exact arithmetic.
 //!
 //! For the ray `O + tD` and the triangle `A`, `B`, `C` let `f = A - O`, `e1 = B - A`, `e2 = C - A`, `n = e1 x e2` and `r = D x f`. Then
 //!
@@ -27,7 +27,7 @@
 //! weights are certain, where `t` rounds to the same f32 at both ends of its error, and where that is neither end of the ray's
 //! interval.
 //!
-//! **Expansions** decide the rest: the sides of single edges, for rays aimed at them, or all of it where the determinant
+//! **Exact arithmetic** decides the rest, on whole numbers or expansions: the sides of single edges, for rays aimed at them, or all of it where the determinant
 //! or `t` is uncertain.
 //!
 //! **What is returned.** `t` is the exact value rounded to the nearest f32 (and to the largest finite one instead of infinity). Rounding is monotone, so
@@ -41,7 +41,8 @@ use std::cmp::Ordering;
 use glam::{DVec3, Vec3};
 
 use crate::predicate::{
-    EdgeRule, F64_ERROR, Rung, Sign, compare_hits_by_rung, edge_sign, intersect_exactly, quotient,
+    EdgeRule, F64_ERROR, Rung, Sign, compare_hits_by_rung, intersect_exactly, passes_edges,
+    quotient,
 };
 use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
@@ -246,26 +247,15 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         let mut rung = Rung::F64;
         if certain != [true; 3] {
             rung = Rung::Exact;
-            if !self.is_inside_exactly(triangle, certain, Sign::of(determinant)) {
+            let uncertain = certain.map(|is_certain| !is_certain);
+            let side = Sign::of(determinant);
+            if !passes_edges(&self.ray, triangle, uncertain, side, Self::RULE) {
                 counter.decisions(rung, 1);
                 return None;
             }
         }
         counter.decisions(rung, 1);
         Some(terms.hit(low))
-    }
-
-    /// Whether the ray passes all edges that f64 was not certain of on the side of the determinant's sign.
-    #[cold]
-    #[inline(never)]
-    fn is_inside_exactly(&self, triangle: &Triangle, certain: [bool; 3], inside: Sign) -> bool {
-        let Triangle { a, b, c } = *triangle;
-        let edges = [(b, c), (c, a), (a, b)];
-        let mut uncertain = edges.iter().zip(certain).filter(|(_, certain)| !certain);
-        uncertain.all(|(&(from, to), _)| {
-            let sign = edge_sign(&self.ray, from, to, Self::RULE);
-            sign == inside || (!PERTURBED && sign == Sign::Zero)
-        })
     }
 
     /// The last rung for all that a hit consists of.
