@@ -38,11 +38,11 @@
 
 use std::cmp::Ordering;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
+use super::terms::{Terms, certain_hit};
 use crate::predicate::{
-    EdgeRule, F64_ERROR, Rung, Sign, compare_hits_by_rung, intersect_exactly, passes_edges,
-    quotient,
+    EdgeRule, Rung, Sign, compare_hits_by_rung, intersect_exactly, passes_edges,
 };
 use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
@@ -75,8 +75,6 @@ const LARGEST_LENGTH: f32 = (1u64 << 60) as f32;
 const SHORT: f32 = 1.0 / (1u64 << 30) as f32;
 /// One, and some roundings.
 const ABOVE_ONE: f32 = 1.0 + 8.0 * f32::EPSILON;
-/// Weights are taken from the f64 rung if their error is below this.
-pub(crate) const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 26) as f64;
 
 impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     const REACH: f32 = 0.0;
@@ -123,16 +121,13 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         triangle: &Triangle,
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        // The terms of the f64 rung, without its decisions.
-        let terms = Terms::new(&self.ray, triangle);
-        if let Some((t, error)) = terms.t() {
-            let [low, high] = [t - error, t + error].map(rounded);
-            if low == high && self.ray.t_min < low && low < self.ray.t_max {
-                counter.decisions(Rung::F64, 1);
-                return Some(terms.hit(low));
-            }
+        if let Some(hit) = certain_hit(&self.ray, triangle) {
+            counter.decisions(Rung::F64, 1);
+            return Some(hit);
         }
-        self.intersect_in_f64(triangle, f32::INFINITY, counter)
+        // Copies: where kernel and triangle were made for this alone, what only the rare call wants of them is not computed or stored before.
+        let triangle = *triangle;
+        Self::new(&self.ray).intersect_in_f64(&triangle, f32::INFINITY, counter)
     }
 
     #[cold]
@@ -272,85 +267,6 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
             intersect_exactly(&self.ray, triangle, Self::RULE)?.rounded_in_interval(&self.ray)?;
         (hit.t <= t_max).then_some(hit)
     }
-}
-
-/// The terms of a ray and a triangle in f64, with bounds of their errors.
-#[derive(Clone, Copy)]
-struct Terms {
-    of_b: f64,
-    of_c: f64,
-    determinant: f64,
-    depth: f64,
-    error_b: f64,
-    error_c: f64,
-    determinant_error: f64,
-    depth_error: f64,
-}
-
-impl Terms {
-    #[inline(always)]
-    fn new(ray: &Ray, triangle: &Triangle) -> Self {
-        let [origin, direction] = [ray.origin, ray.direction].map(Vec3::as_dvec3);
-        let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
-        let (from_origin, edge1, edge2) = (a - origin, b - a, c - a);
-        let normal = edge1.cross(edge2);
-        let moment = direction.cross(from_origin);
-        let [d, f, e1, e2] = [direction, from_origin, edge1, edge2].map(largest_component_f64);
-        Self {
-            of_b: -edge2.dot(moment),
-            of_c: edge1.dot(moment),
-            determinant: direction.dot(normal),
-            depth: from_origin.dot(normal),
-            error_b: F64_ERROR * d * f * e2,
-            error_c: F64_ERROR * d * f * e1,
-            determinant_error: F64_ERROR * d * e1 * e2,
-            depth_error: F64_ERROR * f * e1 * e2,
-        }
-    }
-
-    /// Whether the triangle's plane is certainly met before the origin.
-    #[inline(always)]
-    fn are_behind(&self) -> bool {
-        let depth = self.depth * 1f64.copysign(self.determinant);
-        depth < -self.depth_error && self.determinant.abs() > self.determinant_error
-    }
-
-    /// The weight of the first vertex and the bound of its error.
-    #[inline(always)]
-    fn of_a(&self) -> (f64, f64) {
-        (
-            self.determinant - self.of_b - self.of_c,
-            self.determinant_error + self.error_b + self.error_c,
-        )
-    }
-
-    /// `t` and the bound of its error; `None` if it or the weights are too uncertain.
-    #[inline(always)]
-    fn t(&self) -> Option<(f64, f64)> {
-        let (_, error_a) = self.of_a();
-        let is_well_conditioned = error_a <= WEIGHT_ERROR * self.determinant.abs();
-        let t = quotient(
-            self.depth,
-            self.depth_error,
-            self.determinant,
-            self.determinant_error,
-        );
-        t.filter(|_| is_well_conditioned)
-    }
-
-    /// The hit at a `t` that is certain.
-    #[inline(always)]
-    fn hit(&self, t: f32) -> TriangleHit {
-        let reciprocal = 1.0 / self.determinant;
-        TriangleHit::new(t, self.of_b * reciprocal, self.of_c * reciprocal)
-    }
-}
-
-/// The largest magnitude of a component.
-#[inline(always)]
-fn largest_component_f64(vector: DVec3) -> f64 {
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
-    larger(vector.x.abs(), larger(vector.y.abs(), vector.z.abs()))
 }
 
 /// The largest magnitude of a component, at least [`SMALLEST_LENGTH`].

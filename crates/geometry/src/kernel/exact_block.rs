@@ -19,9 +19,13 @@
 //! **Certain hits.** Where the weights have one sign for certain and their sum is `16` times the error `e` of one of them, `t` lies within
 //! `3 e / (sum - 3 e)` of the triangle's range in `t`, less than `4 e / sum` of it, of the exact mean, and the roundings of `t` and of the
 //! mean are below `13 u` of the largest `t`. In small triangles the products of weights and `t` underflow, by up to `2^-149` each: [`TINY_SUM`] more of their sum.
+//!
+//! **Rays that start on a surface** are too close to it for f32: their start is a rounding off the triangle, which looks like a hit at a `t` around zero. So
+//! what is left to doubt is looked at in f64 at once, lane by lane, before a kernel is made: whether the plane is behind the ray.
 
 use super::block::{BlockFilter, BlockVerdict};
-use crate::simd::Simd;
+use super::terms::is_certainly_behind;
+use crate::simd::{Simd, lanes_of};
 use crate::{Axis, FusedRay, Ray, TriangleBlock};
 
 /// The bound of the edge functions, relative to `P (P + Z)`.
@@ -162,6 +166,20 @@ impl BlockFilter for ExactBlockFilter {
             starts: simd.store(start),
             ends: simd.store(end),
         })
+    }
+
+    #[inline(always)]
+    fn possible_in_f64(&self, block: &TriangleBlock, lanes: u32) -> u32 {
+        if self.t_min < 0.0 {
+            return lanes;
+        }
+        let mut possible = lanes;
+        for lane in lanes_of(lanes) {
+            let triangle = block.coordinates(lane);
+            let is_behind = is_certainly_behind(self.origin, self.direction, triangle);
+            possible &= !(u32::from(is_behind) << lane);
+        }
+        possible
     }
 }
 
