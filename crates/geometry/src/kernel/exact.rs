@@ -41,9 +41,7 @@ use std::cmp::Ordering;
 use glam::Vec3;
 
 use super::terms::{Terms, certain_hit};
-use crate::predicate::{
-    EdgeRule, Rung, Sign, compare_hits_by_rung, intersect_exactly, passes_edges,
-};
+use crate::predicate::{EdgeRule, Rung, Sign, intersect_exactly, order_of_planes, passes_edges};
 use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
 /// The exact kernel: what it answers is true of the given numbers.
@@ -140,10 +138,10 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         if have_same_vertices(first, second) {
             return Ordering::Equal;
         }
-        let (order, rung) = compare_hits_by_rung(&self.ray, first, second);
-        counter.order(rung);
         // Both were hit, so neither is parallel to the ray.
-        order.unwrap_or(Ordering::Equal)
+        let (order, rung) = order_of_planes(&self.ray, first, second);
+        counter.order(rung);
+        order
     }
 }
 

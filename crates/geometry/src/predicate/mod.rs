@@ -25,7 +25,7 @@ use glam::{DVec3, Vec3};
 
 pub(crate) use expansion::Expansion;
 pub(crate) use ray_triangle::{
-    EdgeRule, compare_hits_by_rung, intersect_exactly, passes_edges, quotient,
+    EdgeRule, intersect_exactly, order_of_planes, passes_edges, quotient,
 };
 
 use crate::{Ray, Triangle};
@@ -155,7 +155,8 @@ pub fn compare_t(ray: &Ray, triangle: &Triangle, t: f32) -> Option<Ordering> {
 /// `None` if the line is parallel to one of them or one has no area. Coordinates must be finite.
 #[must_use]
 pub fn compare_hits(ray: &Ray, first: &Triangle, second: &Triangle) -> Option<Ordering> {
-    compare_hits_by_rung(ray, first, second).0
+    let is_parallel = |triangle| direction_side(ray.direction, triangle) == Sign::Zero;
+    (!is_parallel(first) && !is_parallel(second)).then(|| order_of_planes(ray, first, second).0)
 }
 
 /// Whether the vertices of a triangle lie on a line.

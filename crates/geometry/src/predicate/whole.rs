@@ -45,10 +45,20 @@ impl<const N: usize> WholeLine<N> {
         let mut are_whole = true;
         let direction = scaled(ray.direction, direction_scale, &mut are_whole);
         let origin = scaled(ray.origin, scale, &mut are_whole);
-        let points = points.map(|point| scaled(point, scale, &mut are_whole));
-        are_whole.then(|| Self {
+        // Not mapped: a closure for an array of arrays is called.
+        let mut whole = [[0; 3]; N];
+        for (whole, point) in whole.iter_mut().zip(points) {
+            *whole = scaled(point, scale, &mut are_whole);
+        }
+        if !are_whole {
+            return None;
+        }
+        for point in &mut whole {
+            *point = difference(point, &origin);
+        }
+        Some(Self {
             direction,
-            points: points.map(|point| difference(&point, &origin)),
+            points: whole,
             direction_unit,
             unit,
         })
@@ -138,28 +148,28 @@ fn power_for(size: f32) -> Option<(f64, f64)> {
 fn scaled(vector: Vec3, scale: f64, are_whole: &mut bool) -> Whole {
     /// Added to a number below `2^51`, it rounds that to a whole one, which is then in the low bits.
     const ROUNDING: f64 = (3u64 << 51) as f64;
-    vector.to_array().map(|value| {
+    let mut whole = |value: f32| {
         // Exact.
         let scaled = f64::from(value) * scale;
         let rounded = scaled + ROUNDING;
         // Not so for NaN.
         *are_whole &= rounded - ROUNDING == scaled;
-        rounded
-            .to_bits()
-            .wrapping_sub(ROUNDING.to_bits())
-            .cast_signed()
-    })
+        let bits = rounded.to_bits().wrapping_sub(ROUNDING.to_bits());
+        bits.cast_signed()
+    };
+    [whole(vector.x), whole(vector.y), whole(vector.z)]
 }
 
 #[inline]
 fn difference(a: &Whole, b: &Whole) -> Whole {
-    [0, 1, 2].map(|axis| a[axis] - b[axis])
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
 #[inline]
 fn cross(a: &Whole, b: &Whole) -> [i128; 3] {
     let product = |i: usize, j: usize| i128::from(a[i]) * i128::from(b[j]);
-    [(1, 2), (2, 0), (0, 1)].map(|(i, j)| product(i, j) - product(j, i))
+    let component = |i: usize, j: usize| product(i, j) - product(j, i);
+    [component(1, 2), component(2, 0), component(0, 1)]
 }
 
 #[inline]
