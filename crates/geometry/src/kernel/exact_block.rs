@@ -52,7 +52,11 @@ pub struct ExactBlockFilter {
     origin: [f32; 3],
     direction: [f32; 3],
     reciprocal: f32,
+    /// The size of the largest direction component, and some roundings.
+    along: f32,
     t_min: f32,
+    /// What a computed `t` may be for an exact one from `t_min` on.
+    first_t: f32,
     t_max: f32,
     decides: bool,
 }
@@ -89,16 +93,18 @@ impl BlockFilter for ExactBlockFilter {
         let z = Axis::dominant(ray.direction);
         let direction: &[f32; 3] = ray.direction.as_ref();
         let reciprocal: &[f32; 4] = fused.reciprocal.as_ref();
-        let along = direction[z as usize];
+        let along = direction[z as usize].abs();
         Self {
             z,
             origin: *ray.origin.as_ref(),
             direction: *direction,
             // The largest component is not clamped.
             reciprocal: reciprocal[z as usize],
+            along: along * (1.0 + T_ERROR),
             t_min: ray.t_min,
+            first_t: ray.t_min - (ray.t_min.abs() * T_ERROR + TINY_T),
             t_max: ray.t_max,
-            decides: DIRECTIONS.contains(&along.abs()) && fused.farthest <= FARTHEST,
+            decides: DIRECTIONS.contains(&along) && fused.farthest <= FARTHEST,
         }
     }
 
@@ -124,8 +130,7 @@ impl BlockFilter for ExactBlockFilter {
         let is_inside = simd.or(simd.le(largest, error), simd.le(below, smallest));
         let margin = t_max.abs() * T_ERROR + TINY_T;
         let begins = simd.le(first_t, simd.splat(t_max + margin));
-        let margin = self.t_min.abs() * T_ERROR + TINY_T;
-        let ends = simd.le(simd.splat(self.t_min - margin), last_t);
+        let ends = simd.le(simd.splat(self.first_t), last_t);
         let possible = simd.bits(simd.and(is_inside, simd.and(begins, ends)));
         if possible == 0 {
             return None;
@@ -266,8 +271,7 @@ impl ExactBlockFilter {
     /// The bound of the error of the edge functions.
     #[inline(always)]
     fn error<S: Simd>(&self, simd: S, size: S::F32s, farthest_t: S::F32s) -> S::F32s {
-        let along = simd.splat(self.direction[self.z as usize].abs() * (1.0 + T_ERROR));
-        let extent = simd.mul_add(farthest_t, along, size);
+        let extent = simd.mul_add(farthest_t, simd.splat(self.along), size);
         let tiny = simd.splat(TINY);
         let scale = simd.mul_add(extent, simd.splat(ERROR), tiny);
         simd.mul_add(size, scale, tiny)
