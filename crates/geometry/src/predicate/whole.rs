@@ -5,7 +5,7 @@
 //! is below `6 * 2^120`, and the sum of three of those below `2^125`, inside of 128 bits.
 //!
 //! An f32 is a multiple of `2^-23` of the power of two below it. So a coordinate is whole unless it is smaller than `2^-15` of the largest one and has low bits that are set, as
-//! one in some ten thousand random ones does. Tests with such coordinates are left to [expansions](Expansion), which have room for every f32.
+//! one in some thirty thousand random ones does. Tests with such coordinates are left to [expansions](Expansion), which have room for every f32.
 //!
 //! Expansions are slowest where a sum of products vanishes, for nothing short of all their parts tells that; and rays through vertices and edges are the usual reason to come
 //! here. To integers a zero is a number like any other.
