@@ -72,6 +72,9 @@ pub enum Split {
 /// coordinate: four roundings to f32.
 const INPUT_ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
 
+/// More than the error of points where planes cut an edge, several times over, as a part of the largest coordinate.
+const CUT_ROUNDING: f64 = 1.0 / (1u64 << 44) as f64;
+
 impl Polygon {
     /// A polygon from its vertices, counter-clockwise seen from the front.
     ///
@@ -171,7 +174,7 @@ impl Polygon {
     /// is computed from the front end of its edge to the back end, so two polygons that share the edge get the same
     /// vertex. Area, plane and winding are kept up to the rounding of the new vertices.
     ///
-    /// The outline of a convex polygon on both sides of a plane meets it in two points. Where there seem to be more, the polygon lies
+    /// The outline of a convex polygon on both sides of a plane meets it in two points. Where there seem to be more that are apart, the polygon lies
     /// in the plane but for the roundings of its vertices, and counts as coplanar: cut there, its parts would overlap.
     #[must_use]
     pub fn split(self, plane: &Plane) -> Split {
@@ -189,7 +192,7 @@ impl Polygon {
             .iter()
             .map(|vertex| plane.side_of(*vertex))
             .collect();
-        if meeting_points(&sides) > 2 {
+        if self.meeting_points(&sides) > 2 {
             return Split::Coplanar(self);
         }
         let capacity = self.vertices.len() + 1;
@@ -220,6 +223,23 @@ impl Polygon {
             },
             back: Self { vertices: back, id },
         }
+    }
+
+    /// In how many points the outline meets the plane, given the sides of the vertices.
+    ///
+    /// Neighbours in the plane that are as near as roundings count once: an earlier cut close to a vertex leaves two for one.
+    fn meeting_points(&self, sides: &[Side]) -> usize {
+        let nearest = CUT_ROUNDING * self.largest_coordinate();
+        let meets = |index: usize| {
+            let next = (index + 1) % sides.len();
+            if sides[index] == Side::Coplanar {
+                let way = self.vertices[next] - self.vertices[index];
+                sides[next] != Side::Coplanar || way.abs().max_element() > nearest
+            } else {
+                sides[next] != Side::Coplanar && sides[next] != sides[index]
+            }
+        };
+        (0..sides.len()).filter(|index| meets(*index)).count()
     }
 
     fn largest_coordinate(&self) -> f64 {
@@ -258,15 +278,6 @@ impl Polygon {
         }
         Ok(())
     }
-}
-
-/// How many vertices of a closed outline are in the plane, and how many edges cross it, given the sides of the vertices.
-fn meeting_points(sides: &[Side]) -> usize {
-    let followers = sides.iter().cycle().skip(1);
-    let meets = |(side, next): &(&Side, &Side)| {
-        **side == Side::Coplanar || (**next != Side::Coplanar && side != next)
-    };
-    sides.iter().zip(followers).filter(meets).count()
 }
 
 fn crossing_point(plane: &Plane, front: DVec3, back: DVec3) -> DVec3 {

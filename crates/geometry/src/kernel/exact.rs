@@ -1,4 +1,4 @@
-//! The exact kernels: a ladder of two filters and expansion arithmetic.
+//! The exact kernels: a ladder of two filters and exact arithmetic.
 //!
 //! For the ray `O + tD` and the triangle `A`, `B`, `C` let `f = A - O`, `e1 = B - A`, `e2 = C - A`, `n = e1 x e2` and `r = D x f`. Then
 //!
@@ -27,7 +27,7 @@
 //! weights are certain, where `t` rounds to the same f32 at both ends of its error, and where that is neither end of the ray's
 //! interval.
 //!
-//! **Expansions** decide the rest: the sides of single edges, for rays aimed at them, or all of it where the determinant
+//! **Exact arithmetic** decides the rest, on whole numbers or expansions: the sides of single edges, for rays aimed at them, or all of it where the determinant
 //! or `t` is uncertain.
 //!
 //! **What is returned.** `t` is the exact value rounded to the nearest f32 (and to the largest finite one instead of infinity). Rounding is monotone, so
@@ -38,11 +38,10 @@
 
 use std::cmp::Ordering;
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use crate::predicate::{
-    EdgeRule, F64_ERROR, Rung, Sign, compare_hits_by_rung, edge_sign, intersect_exactly, quotient,
-};
+use super::terms::{Terms, certain_hit};
+use crate::predicate::{EdgeRule, Rung, Sign, intersect_exactly, order_of_planes, passes_edges};
 use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
 /// The exact kernel: what it answers is true of the given numbers.
@@ -74,8 +73,6 @@ const LARGEST_LENGTH: f32 = (1u64 << 60) as f32;
 const SHORT: f32 = 1.0 / (1u64 << 30) as f32;
 /// One, and some roundings.
 const ABOVE_ONE: f32 = 1.0 + 8.0 * f32::EPSILON;
-/// Weights are taken from the f64 rung if their error is below this.
-pub(crate) const WEIGHT_ERROR: f64 = 1.0 / (1u64 << 26) as f64;
 
 impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     const REACH: f32 = 0.0;
@@ -122,16 +119,13 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         triangle: &Triangle,
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        // The terms of the f64 rung, without its decisions.
-        let terms = Terms::new(&self.ray, triangle);
-        if let Some((t, error)) = terms.t() {
-            let [low, high] = [t - error, t + error].map(rounded);
-            if low == high && self.ray.t_min < low && low < self.ray.t_max {
-                counter.decisions(Rung::F64, 1);
-                return Some(terms.hit(low));
-            }
+        if let Some(hit) = certain_hit(&self.ray, triangle) {
+            counter.decisions(Rung::F64, 1);
+            return Some(hit);
         }
-        self.intersect_in_f64(triangle, f32::INFINITY, counter)
+        // Copies: where kernel and triangle were made for this alone, what only the rare call wants of them is not computed or stored before.
+        let triangle = *triangle;
+        Self::new(&self.ray).intersect_in_f64(&triangle, f32::INFINITY, counter)
     }
 
     #[cold]
@@ -144,10 +138,10 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         if have_same_vertices(first, second) {
             return Ordering::Equal;
         }
-        let (order, rung) = compare_hits_by_rung(&self.ray, first, second);
-        counter.order(rung);
         // Both were hit, so neither is parallel to the ray.
-        order.unwrap_or(Ordering::Equal)
+        let (order, rung) = order_of_planes(&self.ray, first, second);
+        counter.order(rung);
+        order
     }
 }
 
@@ -246,26 +240,15 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
         let mut rung = Rung::F64;
         if certain != [true; 3] {
             rung = Rung::Exact;
-            if !self.is_inside_exactly(triangle, certain, Sign::of(determinant)) {
+            let uncertain = certain.map(|is_certain| !is_certain);
+            let side = Sign::of(determinant);
+            if !passes_edges(&self.ray, triangle, uncertain, side, Self::RULE) {
                 counter.decisions(rung, 1);
                 return None;
             }
         }
         counter.decisions(rung, 1);
         Some(terms.hit(low))
-    }
-
-    /// Whether the ray passes all edges that f64 was not certain of on the side of the determinant's sign.
-    #[cold]
-    #[inline(never)]
-    fn is_inside_exactly(&self, triangle: &Triangle, certain: [bool; 3], inside: Sign) -> bool {
-        let Triangle { a, b, c } = *triangle;
-        let edges = [(b, c), (c, a), (a, b)];
-        let mut uncertain = edges.iter().zip(certain).filter(|(_, certain)| !certain);
-        uncertain.all(|(&(from, to), _)| {
-            let sign = edge_sign(&self.ray, from, to, Self::RULE);
-            sign == inside || (!PERTURBED && sign == Sign::Zero)
-        })
     }
 
     /// The last rung for all that a hit consists of.
@@ -282,85 +265,6 @@ impl<const PERTURBED: bool> Ladder<PERTURBED> {
             intersect_exactly(&self.ray, triangle, Self::RULE)?.rounded_in_interval(&self.ray)?;
         (hit.t <= t_max).then_some(hit)
     }
-}
-
-/// The terms of a ray and a triangle in f64, with bounds of their errors.
-#[derive(Clone, Copy)]
-struct Terms {
-    of_b: f64,
-    of_c: f64,
-    determinant: f64,
-    depth: f64,
-    error_b: f64,
-    error_c: f64,
-    determinant_error: f64,
-    depth_error: f64,
-}
-
-impl Terms {
-    #[inline(always)]
-    fn new(ray: &Ray, triangle: &Triangle) -> Self {
-        let [origin, direction] = [ray.origin, ray.direction].map(Vec3::as_dvec3);
-        let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
-        let (from_origin, edge1, edge2) = (a - origin, b - a, c - a);
-        let normal = edge1.cross(edge2);
-        let moment = direction.cross(from_origin);
-        let [d, f, e1, e2] = [direction, from_origin, edge1, edge2].map(largest_component_f64);
-        Self {
-            of_b: -edge2.dot(moment),
-            of_c: edge1.dot(moment),
-            determinant: direction.dot(normal),
-            depth: from_origin.dot(normal),
-            error_b: F64_ERROR * d * f * e2,
-            error_c: F64_ERROR * d * f * e1,
-            determinant_error: F64_ERROR * d * e1 * e2,
-            depth_error: F64_ERROR * f * e1 * e2,
-        }
-    }
-
-    /// Whether the triangle's plane is certainly met before the origin.
-    #[inline(always)]
-    fn are_behind(&self) -> bool {
-        let depth = self.depth * 1f64.copysign(self.determinant);
-        depth < -self.depth_error && self.determinant.abs() > self.determinant_error
-    }
-
-    /// The weight of the first vertex and the bound of its error.
-    #[inline(always)]
-    fn of_a(&self) -> (f64, f64) {
-        (
-            self.determinant - self.of_b - self.of_c,
-            self.determinant_error + self.error_b + self.error_c,
-        )
-    }
-
-    /// `t` and the bound of its error; `None` if it or the weights are too uncertain.
-    #[inline(always)]
-    fn t(&self) -> Option<(f64, f64)> {
-        let (_, error_a) = self.of_a();
-        let is_well_conditioned = error_a <= WEIGHT_ERROR * self.determinant.abs();
-        let t = quotient(
-            self.depth,
-            self.depth_error,
-            self.determinant,
-            self.determinant_error,
-        );
-        t.filter(|_| is_well_conditioned)
-    }
-
-    /// The hit at a `t` that is certain.
-    #[inline(always)]
-    fn hit(&self, t: f32) -> TriangleHit {
-        let reciprocal = 1.0 / self.determinant;
-        TriangleHit::new(t, self.of_b * reciprocal, self.of_c * reciprocal)
-    }
-}
-
-/// The largest magnitude of a component.
-#[inline(always)]
-fn largest_component_f64(vector: DVec3) -> f64 {
-    let larger = |a: f64, b: f64| if a > b { a } else { b };
-    larger(vector.x.abs(), larger(vector.y.abs(), vector.z.abs()))
 }
 
 /// The largest magnitude of a component, at least [`SMALLEST_LENGTH`].

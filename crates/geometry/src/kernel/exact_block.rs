@@ -19,9 +19,13 @@
 //! **Certain hits.** Where the weights have one sign for certain and their sum is `16` times the error `e` of one of them, `t` lies within
 //! `3 e / (sum - 3 e)` of the triangle's range in `t`, less than `4 e / sum` of it, of the exact mean, and the roundings of `t` and of the
 //! mean are below `13 u` of the largest `t`. In small triangles the products of weights and `t` underflow, by up to `2^-149` each: [`TINY_SUM`] more of their sum.
+//!
+//! **Rays that start on a surface** are too close to it for f32: their start is a rounding off the triangle, which looks like a hit at a `t` around zero. So
+//! what is left to doubt is looked at in f64 at once, lane by lane, before a kernel is made: whether the plane is behind the ray.
 
 use super::block::{BlockFilter, BlockVerdict};
-use crate::simd::Simd;
+use super::terms::is_certainly_behind;
+use crate::simd::{Simd, lanes_of};
 use crate::{Axis, FusedRay, Ray, TriangleBlock};
 
 /// The bound of the edge functions, relative to `P (P + Z)`.
@@ -48,7 +52,11 @@ pub struct ExactBlockFilter {
     origin: [f32; 3],
     direction: [f32; 3],
     reciprocal: f32,
+    /// The size of the largest direction component, and some roundings.
+    along: f32,
     t_min: f32,
+    /// What a computed `t` may be for an exact one from `t_min` on.
+    first_t: f32,
     t_max: f32,
     decides: bool,
 }
@@ -85,16 +93,18 @@ impl BlockFilter for ExactBlockFilter {
         let z = Axis::dominant(ray.direction);
         let direction: &[f32; 3] = ray.direction.as_ref();
         let reciprocal: &[f32; 4] = fused.reciprocal.as_ref();
-        let along = direction[z as usize];
+        let along = direction[z as usize].abs();
         Self {
             z,
             origin: *ray.origin.as_ref(),
             direction: *direction,
             // The largest component is not clamped.
             reciprocal: reciprocal[z as usize],
+            along: along * (1.0 + T_ERROR),
             t_min: ray.t_min,
+            first_t: ray.t_min - (ray.t_min.abs() * T_ERROR + TINY_T),
             t_max: ray.t_max,
-            decides: DIRECTIONS.contains(&along.abs()) && fused.farthest <= FARTHEST,
+            decides: DIRECTIONS.contains(&along) && fused.farthest <= FARTHEST,
         }
     }
 
@@ -120,8 +130,7 @@ impl BlockFilter for ExactBlockFilter {
         let is_inside = simd.or(simd.le(largest, error), simd.le(below, smallest));
         let margin = t_max.abs() * T_ERROR + TINY_T;
         let begins = simd.le(first_t, simd.splat(t_max + margin));
-        let margin = self.t_min.abs() * T_ERROR + TINY_T;
-        let ends = simd.le(simd.splat(self.t_min - margin), last_t);
+        let ends = simd.le(simd.splat(self.first_t), last_t);
         let possible = simd.bits(simd.and(is_inside, simd.and(begins, ends)));
         if possible == 0 {
             return None;
@@ -162,6 +171,20 @@ impl BlockFilter for ExactBlockFilter {
             starts: simd.store(start),
             ends: simd.store(end),
         })
+    }
+
+    #[inline(always)]
+    fn possible_in_f64(&self, block: &TriangleBlock, lanes: u32) -> u32 {
+        if self.t_min < 0.0 {
+            return lanes;
+        }
+        let mut possible = lanes;
+        for lane in lanes_of(lanes) {
+            let triangle = block.coordinates(lane);
+            let is_behind = is_certainly_behind(self.origin, self.direction, triangle);
+            possible &= !(u32::from(is_behind) << lane);
+        }
+        possible
     }
 }
 
@@ -248,8 +271,7 @@ impl ExactBlockFilter {
     /// The bound of the error of the edge functions.
     #[inline(always)]
     fn error<S: Simd>(&self, simd: S, size: S::F32s, farthest_t: S::F32s) -> S::F32s {
-        let along = simd.splat(self.direction[self.z as usize].abs() * (1.0 + T_ERROR));
-        let extent = simd.mul_add(farthest_t, along, size);
+        let extent = simd.mul_add(farthest_t, simd.splat(self.along), size);
         let tiny = simd.splat(TINY);
         let scale = simd.mul_add(extent, simd.splat(ERROR), tiny);
         simd.mul_add(size, scale, tiny)

@@ -24,14 +24,15 @@ mod exact;
 mod exact_block;
 mod moller_trumbore;
 mod reach_block;
+mod terms;
 mod woop;
 
 pub use block::{BlockFilter, BlockVerdict};
-pub(crate) use exact::WEIGHT_ERROR;
 pub use exact::{Exact, ExactCrossing, Ladder};
 pub use exact_block::ExactBlockFilter;
 pub use moller_trumbore::MollerTrumbore;
 pub use reach_block::ReachBlockFilter;
+pub(crate) use terms::WEIGHT_ERROR;
 pub use woop::Woop;
 
 use std::cmp::Ordering;
@@ -90,12 +91,16 @@ impl TriangleHit {
     pub(crate) fn new(t: f32, u: f64, v: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
         let [u, v] = [u, v].map(|value| (value as f32).clamp(0.0, 1.0));
-        // The difference is exact where it matters: where the larger weight is at least a half.
-        let (u, v) = if u > v {
-            (u, v.min(1.0 - u))
-        } else {
-            (u.min(1.0 - v), v)
-        };
+        // Seldom; which one is larger would be anyone's guess.
+        if u + v >= 1.0 {
+            // The difference is exact where it matters: where the larger weight is at least a half.
+            let (u, v) = if u > v {
+                (u, v.min(1.0 - u))
+            } else {
+                (u.min(1.0 - v), v)
+            };
+            return Self { t: t + 0.0, u, v };
+        }
         Self { t: t + 0.0, u, v }
     }
 

@@ -187,3 +187,26 @@ proptest! {
         prop_assert!(!edge_is_cut || shared == 2, "one corner and the crossing of the edge");
     }
 }
+
+/// The cuts before the last one leave two vertices at (0, 0, 2), a rounding apart: seen from the plane at z = 2 that is one point of the outline.
+#[test]
+fn a_polygon_with_two_vertices_for_one_is_cut() {
+    let corners = [[3.0, -2.0, 1.0], [0.0, 1.0, 0.0], [-3.0, 2.0, 3.0]].map(Vec3::from);
+    let triangle = Triangle::new(corners[0], corners[1], corners[2]);
+    let mut polygon = Polygon::from_triangle(&triangle, 0).expect("it has an area");
+    let cuts = [
+        (DVec3::X, -1.0),
+        (DVec3::NEG_X, 0.0),
+        (DVec3::Y, 0.0),
+        (DVec3::NEG_Z, 2.0),
+    ];
+    for (inwards, place) in cuts {
+        let plane = Plane::from_point_normal(inwards.abs() * place, inwards).expect("a normal");
+        match polygon.split(&plane) {
+            Split::Spanning { front, .. } => polygon = front,
+            other => panic!("{inwards}: {other:?}"),
+        }
+    }
+    let top = polygon.vertices().iter().map(|vertex| vertex.z);
+    assert!(top.fold(0.0, f64::max) <= 2.0, "{polygon:?}");
+}

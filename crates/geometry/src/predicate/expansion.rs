@@ -46,6 +46,29 @@ impl Expansion {
         difference
     }
 
+    /// A whole number below `2^126` in size, times a power of two that takes none of its bits out of the range.
+    pub(crate) fn of_whole(value: i128, unit: f64) -> Self {
+        let mut expansion = Self::zero();
+        let mut parts = [0.0; 3];
+        let mut rest = value;
+        for part in &mut parts {
+            #[expect(clippy::cast_precision_loss, reason = "the rest goes to the next part")]
+            let nearest = rest as f64;
+            *part = nearest * unit;
+            #[expect(
+                clippy::cast_possible_truncation,
+                reason = "a whole number below 2^127"
+            )]
+            let taken = nearest as i128;
+            // At most half a unit in the last place: below 2^73, then below 2^20.
+            rest -= taken;
+        }
+        for part in parts.into_iter().rev() {
+            expansion.push(part);
+        }
+        expansion
+    }
+
     /// Appends a component beyond the others, unless it is zero.
     fn push(&mut self, component: f64) {
         if component != 0.0 {
@@ -64,6 +87,16 @@ impl Expansion {
     /// up to no more than two of the last.
     pub(crate) fn approximation(&self) -> f64 {
         self.components.iter().sum()
+    }
+
+    /// The value as a rational number.
+    #[cfg(test)]
+    pub(crate) fn exact_value(&self) -> crate::oracle::RBig {
+        use crate::oracle::RBig;
+        let components = self.components.iter();
+        components.fold(RBig::ZERO, |sum, component| {
+            sum + RBig::try_from(*component).expect("finite")
+        })
     }
 
     pub(crate) fn plus(&self, other: &Self) -> Self {
@@ -208,11 +241,6 @@ mod tests {
         RBig::try_from(value).expect("finite")
     }
 
-    fn value_of(expansion: &Expansion) -> RBig {
-        let components = expansion.components.iter();
-        components.fold(RBig::ZERO, |sum, component| sum + exact(*component))
-    }
-
     /// The invariants of the module's documentation.
     fn assert_well_formed(expansion: &Expansion) {
         for pair in expansion.components.windows(2) {
@@ -258,12 +286,20 @@ mod tests {
             let scaled = (sum.0.scaled(f64::from(pairs[0].0)), &sum.1 * exact(f64::from(pairs[0].0)));
             for (expansion, expected) in [product, other, product_of_all, cancelled, sum, scaled] {
                 assert_well_formed(&expansion);
-                prop_assert_eq!(value_of(&expansion), expected.clone());
+                prop_assert_eq!(expansion.exact_value(), expected.clone());
                 prop_assert_eq!(expansion.sign() == Sign::Zero, expected == RBig::ZERO);
                 let error = exact(expansion.approximation()) - &expected;
                 let limit = &expected * exact(2f64.powi(-50));
                 prop_assert!(error.clone() * &error <= limit.clone() * &limit);
             }
+        }
+
+        #[test]
+        fn whole_numbers_are_exact(value in any::<i128>(), shift in 2u32..127, power in -500i32..300) {
+            let (value, unit) = (value >> shift, 2f64.powi(power));
+            let expansion = Expansion::of_whole(value, unit);
+            assert_well_formed(&expansion);
+            prop_assert_eq!(expansion.exact_value(), RBig::from(value) * exact(unit));
         }
     }
 }

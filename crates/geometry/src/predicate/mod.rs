@@ -1,7 +1,7 @@
 //! Exact decisions about rays, triangles and points with f32 coordinates.
 //!
-//! Each predicate is a ladder: f64 arithmetic with a proven error bound decides nearly always; where it cannot, expansion
-//! arithmetic (Shewchuk 1997) gives the exact sign. Nothing here overflows or underflows, for any finite f32 coordinates, from denormals to the
+//! Each predicate is a ladder: f64 arithmetic with a proven error bound decides nearly always; where it cannot, exact arithmetic does: on whole numbers where the
+//! coordinates are of similar sizes, and on expansions (Shewchuk 1997) for all others. Nothing here overflows or underflows, for any finite f32 coordinates, from denormals to the
 //! largest ones. The ladder of ray/triangle tests has one more rung below these, in f32: see [`Exact`](crate::Exact).
 //!
 //! **The bound of the f64 rung.** Each value is a sum of products of differences of f32 numbers. A difference is rounded once,
@@ -17,6 +17,7 @@
 
 mod expansion;
 mod ray_triangle;
+mod whole;
 
 use std::cmp::Ordering;
 
@@ -24,7 +25,7 @@ use glam::{DVec3, Vec3};
 
 pub(crate) use expansion::Expansion;
 pub(crate) use ray_triangle::{
-    EdgeRule, compare_hits_by_rung, edge_sign, intersect_exactly, quotient,
+    EdgeRule, intersect_exactly, order_of_planes, passes_edges, quotient,
 };
 
 use crate::{Ray, Triangle};
@@ -50,6 +51,14 @@ impl Sign {
             Self::Negative
         } else {
             Self::Zero
+        }
+    }
+
+    fn of_whole(value: i128) -> Self {
+        match value.cmp(&0) {
+            Ordering::Less => Self::Negative,
+            Ordering::Equal => Self::Zero,
+            Ordering::Greater => Self::Positive,
         }
     }
 
@@ -86,7 +95,7 @@ pub enum Rung {
     F32,
     /// Arithmetic in f64 with an error bound.
     F64,
-    /// Expansion arithmetic, which is exact.
+    /// Exact arithmetic, on whole numbers or expansions.
     Exact,
 }
 
@@ -110,7 +119,7 @@ pub fn edge_side(ray: &Ray, from: Vec3, to: Vec3) -> Sign {
     let [origin, direction] = [ray.origin, ray.direction].map(Vec3::as_dvec3);
     let [from_origin, edge] = [from.as_dvec3() - origin, to.as_dvec3() - from.as_dvec3()];
     certain_triple_product(direction, from_origin, edge)
-        .unwrap_or_else(|| ray_triangle::edge_function(ray, from, to).sign())
+        .unwrap_or_else(|| ray_triangle::edge_side(ray, from, to))
 }
 
 /// The side of a triangle's plane to which a direction leads: the sign of `direction . N`, with `N` on the triangle's front.
@@ -120,7 +129,7 @@ pub fn edge_side(ray: &Ray, from: Vec3, to: Vec3) -> Sign {
 pub fn direction_side(direction: Vec3, triangle: &Triangle) -> Sign {
     let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
     certain_triple_product(direction.as_dvec3(), b - a, c - a)
-        .unwrap_or_else(|| ray_triangle::determinant(direction, triangle).sign())
+        .unwrap_or_else(|| ray_triangle::direction_side(direction, triangle))
 }
 
 /// The side of a triangle's plane on which a point lies: positive in front, zero in the plane, and for triangles without area.
@@ -130,7 +139,7 @@ pub fn direction_side(direction: Vec3, triangle: &Triangle) -> Sign {
 pub fn point_side(point: Vec3, triangle: &Triangle) -> Sign {
     let [a, b, c] = triangle.vertices().map(Vec3::as_dvec3);
     certain_triple_product(point.as_dvec3() - a, b - a, c - a)
-        .unwrap_or_else(|| ray_triangle::depth(point, triangle).sign().flipped())
+        .unwrap_or_else(|| ray_triangle::point_side(point, triangle))
 }
 
 /// Compares the `t` where a ray's line meets the plane of a triangle with a number.
@@ -146,7 +155,8 @@ pub fn compare_t(ray: &Ray, triangle: &Triangle, t: f32) -> Option<Ordering> {
 /// `None` if the line is parallel to one of them or one has no area. Coordinates must be finite.
 #[must_use]
 pub fn compare_hits(ray: &Ray, first: &Triangle, second: &Triangle) -> Option<Ordering> {
-    compare_hits_by_rung(ray, first, second).0
+    let is_parallel = |triangle| direction_side(ray.direction, triangle) == Sign::Zero;
+    (!is_parallel(first) && !is_parallel(second)).then(|| order_of_planes(ray, first, second).0)
 }
 
 /// Whether the vertices of a triangle lie on a line.

@@ -1,10 +1,11 @@
-//! A ray against a triangle in expansion arithmetic: the last rung.
+//! A ray against a triangle in exact arithmetic: the last rung.
 
 use std::cmp::Ordering;
 
 use glam::Vec3;
 
-use super::{Expansion, F64_ERROR, Rung, Sign, direction_side};
+use super::whole::WholeLine;
+use super::{Expansion, F64_ERROR, Rung, Sign};
 use crate::{Ray, Triangle, TriangleHit};
 
 /// Who owns the edges of a triangle.
@@ -22,6 +23,9 @@ pub(crate) enum EdgeRule {
     /// Source: Edelsbrunner and Mücke, "Simulation of simplicity", 1990.
     Perturbed,
 }
+
+/// The edges of a triangle: each opposite of the vertex of the same place, whose weight its edge function is.
+pub(super) const EDGES: [[usize; 2]; 3] = [[1, 2], [2, 0], [0, 1]];
 
 /// A hit, known exactly.
 pub(crate) struct ExactHit {
@@ -66,69 +70,135 @@ pub(super) fn normal(triangle: &Triangle) -> Vector {
 }
 
 /// `D . ((from - O) x (to - O))`, as `(to - from) . (D x (from - O))`.
-pub(super) fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> Expansion {
+fn edge_function(ray: &Ray, from: Vec3, to: Vec3) -> Expansion {
     let moment = cross_vector(ray.direction, &difference(from, ray.origin));
     dot(&difference(to, from), &moment)
 }
 
-/// The side of an edge under a rule.
-pub(crate) fn edge_sign(ray: &Ray, from: Vec3, to: Vec3, rule: EdgeRule) -> Sign {
-    let value = edge_function(ray, from, to);
-    settled_sign(ray, from, to, &value, rule)
+/// The side of an edge.
+pub(super) fn edge_side(ray: &Ray, from: Vec3, to: Vec3) -> Sign {
+    match WholeLine::new(ray, [from, to]) {
+        Some(line) => Sign::of_whole(line.edge_function([0, 1])),
+        None => edge_function(ray, from, to).sign(),
+    }
+}
+
+/// Whether a ray passes some of a triangle's edges, each that opposite of the vertex of the same place, on a side or, where the triangle is
+/// [closed](EdgeRule::Closed), meets them.
+#[cold]
+#[inline(never)]
+pub(crate) fn passes_edges(
+    ray: &Ray,
+    triangle: &Triangle,
+    edges: [bool; 3],
+    side: Sign,
+    rule: EdgeRule,
+) -> bool {
+    let vertices = triangle.vertices();
+    let line = WholeLine::new(ray, vertices);
+    (0..3).filter(|edge| edges[*edge]).all(|edge| {
+        let sign = if let Some(line) = &line {
+            line.settled_side(edge, line.edge_function(EDGES[edge]), rule)
+        } else {
+            let [from, to] = EDGES[edge].map(|vertex| vertices[vertex]);
+            let sign = edge_function(ray, from, to).sign();
+            settled(sign, rule, || derivative(ray, from, to))
+        };
+        sign == side || (rule == EdgeRule::Closed && sign == Sign::Zero)
+    })
 }
 
 /// `D . N`.
-pub(super) fn determinant(direction: Vec3, triangle: &Triangle) -> Expansion {
+fn determinant(direction: Vec3, triangle: &Triangle) -> Expansion {
     dot_vector(&normal(triangle), direction)
 }
 
+/// The sign of [`determinant`].
+pub(super) fn direction_side(direction: Vec3, triangle: &Triangle) -> Sign {
+    // The sum of the edges does not depend on the origin.
+    match WholeLine::new(&Ray::new(triangle.a, direction), triangle.vertices()) {
+        Some(line) => Sign::of_whole(line.determinant()),
+        None => determinant(direction, triangle).sign(),
+    }
+}
+
 /// `(A - O) . N`: how far the triangle's plane is in front of a point, in lengths of the normal.
-pub(super) fn depth(origin: Vec3, triangle: &Triangle) -> Expansion {
+fn depth(origin: Vec3, triangle: &Triangle) -> Expansion {
     dot(&difference(triangle.a, origin), &normal(triangle))
 }
 
-/// The sign of an edge function, where it is zero settled by a rule.
-fn settled_sign(ray: &Ray, from: Vec3, to: Vec3, value: &Expansion, rule: EdgeRule) -> Sign {
-    let sign = value.sign();
+/// The sign of minus [`depth`].
+pub(super) fn point_side(point: Vec3, triangle: &Triangle) -> Sign {
+    // The direction takes no part.
+    let sign = match WholeLine::new(&Ray::new(point, Vec3::ZERO), triangle.vertices()) {
+        Some(line) => Sign::of_whole(line.depth()),
+        None => depth(point, triangle).sign(),
+    };
+    sign.flipped()
+}
+
+/// The sign of an edge function, where it is zero settled by a rule from the signs of its [`derivative`].
+pub(super) fn settled(sign: Sign, rule: EdgeRule, derivative: impl FnOnce() -> [Sign; 3]) -> Sign {
     if sign != Sign::Zero || rule == EdgeRule::Closed {
         return sign;
     }
-    let derivative = cross_vector(ray.direction, &difference(to, from));
-    let signs = derivative.iter().map(Expansion::sign);
-    signs
+    derivative()
         .into_iter()
         .find(|sign| *sign != Sign::Zero)
         .unwrap_or(Sign::Zero)
 }
 
+/// The signs of the derivative of an edge function by the movement of the origin.
+fn derivative(ray: &Ray, from: Vec3, to: Vec3) -> [Sign; 3] {
+    let derivative = cross_vector(ray.direction, &difference(to, from));
+    derivative.each_ref().map(Expansion::sign)
+}
+
 /// Where a ray's line meets a triangle; `None` for a miss.
-///
-/// The weight of the first vertex is the side of the opposite edge, from the second vertex to the third, and so on in turn. In the
-/// terms of the [exact kernel](crate::kernel::Exact): `-(e2 . r)` for the second vertex, `e1 . r` for the third, with `r = D x (A - O)`.
 pub(crate) fn intersect_exactly(
     ray: &Ray,
     triangle: &Triangle,
     rule: EdgeRule,
 ) -> Option<ExactHit> {
+    match WholeLine::new(ray, triangle.vertices()) {
+        Some(line) => intersect_whole(&line, rule),
+        None => intersect_expansions(ray, triangle, rule),
+    }
+}
+
+/// [`intersect_exactly`] in whole numbers. The weights are edge functions, and their sum is the determinant.
+fn intersect_whole(line: &WholeLine<3>, rule: EdgeRule) -> Option<ExactHit> {
+    let weights = line.edge_functions();
+    let sides = [0, 1, 2].map(|edge| line.settled_side(edge, weights[edge], rule));
+    let determinant = line.determinant();
+    (is_inside(sides, rule) && determinant != 0).then(|| ExactHit {
+        numerator: line.value_of_depth(line.depth()),
+        determinant: line.value_of_edges(determinant),
+        weights: [1, 2].map(|index| line.value_of_edges(weights[index])),
+    })
+}
+
+/// [`intersect_exactly`] for all coordinates.
+///
+/// The weight of the first vertex is the side of the opposite edge, from the second vertex to the third, and so on in turn. In the
+/// terms of the [exact kernel](crate::kernel::Exact): `-(e2 . r)` for the second vertex, `e1 . r` for the third, with `r = D x (A - O)`.
+fn intersect_expansions(ray: &Ray, triangle: &Triangle, rule: EdgeRule) -> Option<ExactHit> {
     let Triangle { a, b, c } = *triangle;
     let from_origin = difference(a, ray.origin);
     let moment = cross_vector(ray.direction, &from_origin);
     let [edge1, edge2] = [b, c].map(|vertex| difference(vertex, a));
     let of_b = Expansion::zero().minus(&dot(&edge2, &moment));
-    let sign_b = settled_sign(ray, c, a, &of_b, rule);
+    let sign_b = settled(of_b.sign(), rule, || derivative(ray, c, a));
     let of_c = dot(&edge1, &moment);
-    let sign_c = settled_sign(ray, a, b, &of_c, rule);
+    let sign_c = settled(of_c.sign(), rule, || derivative(ray, a, b));
     if are_opposite(sign_b, sign_c) {
         return None;
     }
     let normal = cross(&edge1, &edge2);
     let determinant = dot_vector(&normal, ray.direction);
     let of_a = determinant.minus(&of_b).minus(&of_c);
-    let sign_a = settled_sign(ray, b, c, &of_a, rule);
-    let is_outside = are_opposite(sign_a, sign_b) || are_opposite(sign_a, sign_c);
-    let misses_by_perturbation =
-        rule == EdgeRule::Perturbed && [sign_a, sign_b, sign_c].contains(&Sign::Zero);
-    if is_outside || misses_by_perturbation || determinant.sign() == Sign::Zero {
+    let sign_a = settled(of_a.sign(), rule, || derivative(ray, b, c));
+    if !is_inside([sign_a, sign_b, sign_c], rule) || determinant.sign() == Sign::Zero {
         return None;
     }
     Some(ExactHit {
@@ -138,6 +208,13 @@ pub(crate) fn intersect_exactly(
     })
 }
 
+/// Whether a ray with these sides of edges, settled by the rule, goes through the triangle.
+fn is_inside([a, b, c]: [Sign; 3], rule: EdgeRule) -> bool {
+    let is_outside = are_opposite(a, b) || are_opposite(b, c) || are_opposite(c, a);
+    let misses_by_perturbation = rule == EdgeRule::Perturbed && [a, b, c].contains(&Sign::Zero);
+    !is_outside && !misses_by_perturbation
+}
+
 fn are_opposite(first: Sign, second: Sign) -> bool {
     first != Sign::Zero && second == first.flipped()
 }
@@ -145,9 +222,18 @@ fn are_opposite(first: Sign, second: Sign) -> bool {
 impl ExactHit {
     /// Where the ray's line meets the triangle's plane; `None` if it is parallel to it.
     fn of_plane(ray: &Ray, triangle: &Triangle) -> Option<Self> {
-        let determinant = determinant(ray.direction, triangle);
+        let (numerator, determinant) = match WholeLine::new(ray, triangle.vertices()) {
+            Some(line) => (
+                line.value_of_depth(line.depth()),
+                line.value_of_edges(line.determinant()),
+            ),
+            None => (
+                depth(ray.origin, triangle),
+                determinant(ray.direction, triangle),
+            ),
+        };
         (determinant.sign() != Sign::Zero).then(|| Self {
-            numerator: depth(ray.origin, triangle),
+            numerator,
             determinant,
             weights: [Expansion::zero(), Expansion::zero()],
         })
@@ -279,30 +365,23 @@ pub(super) fn compare_t(ray: &Ray, triangle: &Triangle, t: f32) -> Option<Orderi
     ExactHit::of_plane(ray, triangle).map(|hit| hit.compare_t(t))
 }
 
-/// [`compare_hits`](super::compare_hits), and the rung that decided.
-pub(crate) fn compare_hits_by_rung(
-    ray: &Ray,
-    first: &Triangle,
-    second: &Triangle,
-) -> (Option<Ordering>, Rung) {
+/// The order in which a ray's line meets the planes of two triangles, and the rung that decided; equal where it is parallel to one of them.
+pub(crate) fn order_of_planes(ray: &Ray, first: &Triangle, second: &Triangle) -> (Ordering, Rung) {
+    // First, as it is the usual reason to ask: f64 cannot tell equal from nearly equal.
+    if are_in_a_plane_of_an_axis(first, second) || meet_where_the_ray_does(ray, first, second) {
+        return (Ordering::Equal, Rung::Exact);
+    }
     if let (Some((first, first_error)), Some((second, second_error))) =
         (approximate_t(ray, first), approximate_t(ray, second))
         && let Some(sign) = Sign::certain(first - second, 2.0 * (first_error + second_error))
     {
-        return (Some(sign.compared_with_zero()), Rung::F64);
+        return (sign.compared_with_zero(), Rung::F64);
     }
-    let order = if are_in_a_plane_of_an_axis(first, second)
-        || meet_where_the_ray_does(ray, first, second)
-    {
-        let is_parallel = |triangle| direction_side(ray.direction, triangle) == Sign::Zero;
-        (!is_parallel(first) && !is_parallel(second)).then_some(Ordering::Equal)
-    } else {
-        let [first, second] = [first, second].map(|triangle| ExactHit::of_plane(ray, triangle));
-        first
-            .zip(second)
-            .map(|(first, second)| first.compare(&second))
-    };
-    (order, Rung::Exact)
+    let [first, second] = [first, second].map(|triangle| ExactHit::of_plane(ray, triangle));
+    let order = first
+        .zip(second)
+        .map(|(first, second)| first.compare(&second));
+    (order.unwrap_or(Ordering::Equal), Rung::Exact)
 }
 
 /// Whether two triangles lie in the same plane across an axis: doubled floors and walls are the usual reason for many hits at the same `t`.
@@ -322,10 +401,50 @@ fn meet_where_the_ray_does(ray: &Ray, first: &Triangle, second: &Triangle) -> bo
     let mut common = of_first.filter(|vertex| of_second.contains(vertex));
     match (common.next(), common.next()) {
         (None, _) => false,
-        (Some(vertex), None) => {
-            let moment = cross_vector(ray.direction, &difference(vertex, ray.origin));
-            moment.iter().all(|part| part.sign() == Sign::Zero)
+        (Some(vertex), None) => match WholeLine::new(ray, [vertex]) {
+            Some(line) => line.meets(0),
+            None => {
+                let moment = cross_vector(ray.direction, &difference(vertex, ray.origin));
+                moment.iter().all(|part| part.sign() == Sign::Zero)
+            }
+        },
+        (Some(from), Some(to)) => edge_side(ray, from, to) == Sign::Zero,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::test_support::{grid_point, point};
+
+    fn corners() -> impl Strategy<Value = [Vec3; 4]> {
+        let points = prop::array::uniform4(point(1.0));
+        prop_oneof![points, prop::array::uniform4(grid_point())]
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(2000))]
+
+        /// Most coordinates are whole numbers after scaling: expansions are seldom asked, but must say the same.
+        #[test]
+        fn expansions_and_whole_numbers_agree([a, b, c, origin] in corners(), target in 0usize..4) {
+            let triangle = Triangle::new(a, b, c);
+            let ray = Ray::new(origin, [a, b.midpoint(c), a + 0.25 * (b - a) + 0.5 * (c - a), b][target] - origin);
+            let Some(line) = WholeLine::new(&ray, triangle.vertices()) else {
+                return Ok(());
+            };
+            for rule in [EdgeRule::Closed, EdgeRule::Perturbed] {
+                let hits = [intersect_whole(&line, rule), intersect_expansions(&ray, &triangle, rule)];
+                let [found, expected] = hits.each_ref().map(|hit| {
+                    hit.as_ref().map(|hit| [&hit.numerator, &hit.determinant, &hit.weights[0], &hit.weights[1]].map(Expansion::exact_value))
+                });
+                prop_assert_eq!(found, expected, "{:?}", rule);
+            }
+            prop_assert_eq!(edge_side(&ray, a, b), edge_function(&ray, a, b).sign());
+            prop_assert_eq!(direction_side(ray.direction, &triangle), determinant(ray.direction, &triangle).sign());
+            prop_assert_eq!(point_side(origin, &triangle), depth(origin, &triangle).sign().flipped());
         }
-        (Some(from), Some(to)) => edge_function(ray, from, to).sign() == Sign::Zero,
     }
 }

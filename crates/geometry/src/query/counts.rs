@@ -25,7 +25,7 @@ pub struct RungCounts {
     pub f32: u64,
     /// Those that f64 made certain.
     pub f64: u64,
-    /// Those that took expansion arithmetic.
+    /// Those that took exact arithmetic.
     pub exact: u64,
 }
 

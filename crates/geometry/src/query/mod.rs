@@ -14,7 +14,7 @@ pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 
 use crate::kernel::{BlockFilter, Exact, ExactCrossing, MollerTrumbore, Woop};
 use crate::predicate::Rung;
-use crate::simd::{LANES, Simd};
+use crate::simd::{Simd, lanes_of};
 use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleHit, TriangleKernel};
 
 /// The hit of a ray on a primitive.
@@ -323,7 +323,7 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     let Some(verdict) = verdict else {
         return ControlFlow::Continue(());
     };
-    for lane in lanes(verdict.certain) {
+    for lane in lanes_of(verdict.certain) {
         let t = Interval {
             start: verdict.starts.0[lane],
             end: verdict.ends.0[lane],
@@ -343,23 +343,15 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     if uncertain == 0 {
         return ControlFlow::Continue(());
     }
+    let possible = filter.possible_in_f64(block, uncertain);
+    counter.decisions(Rung::F64, u64::from((uncertain & !possible).count_ones()));
+    if possible == 0 {
+        return ControlFlow::Continue(());
+    }
     let kernel = K::new(ray);
-    for lane in lanes(uncertain) {
+    for lane in lanes_of(possible) {
         let (triangle, primitive) = (block.triangle(lane), block.used_number(lane));
         test_filtered(&kernel, &triangle, primitive, collector, counter)?;
     }
     ControlFlow::Continue(())
-}
-
-/// The numbers of the bits that are set, all below 8.
-#[inline(always)]
-fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros();
-        (bits != 0).then(|| {
-            bits &= bits - 1;
-            // Says that lanes are in range.
-            lane as usize % LANES
-        })
-    })
 }

@@ -31,6 +31,19 @@ impl Lanes {
     }
 }
 
+/// The numbers of the bits that are set, all below 8.
+#[inline(always)]
+pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros();
+        (bits != 0).then(|| {
+            bits &= bits - 1;
+            // Says that lanes are in range.
+            lane as usize % LANES
+        })
+    })
+}
+
 /// The operations of a level.
 pub trait Simd: Copy {
     /// Eight numbers.

@@ -3,13 +3,26 @@ use std::ops::Range;
 
 use glam::Vec3;
 use proptest::prelude::*;
+use proptest::strategy::ValueTree;
+use proptest::test_runner::TestRunner;
 
 use super::*;
 use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, ReachBlockFilter, Woop};
+use crate::oracle::Oracle;
 use crate::predicate::compare_t;
 use crate::simd::{AvailableSimd, LANES, SimdLevel, WithSimd};
-use crate::test_support::{grid_point, point};
-use crate::{Aabb, Triangle, TriangleKernel, size_of_bounds};
+use crate::test_support::{grid_point, point, soup};
+use crate::{
+    Aabb, BruteForce, Precision, RayQuery, SurfacePoint, Triangle, TriangleKernel, size_of_bounds,
+};
+
+/// The lanes of a block that the filter gives up in f64, of all that are used.
+fn given_up_in_f64(ray: &Ray, triangles: &[Triangle]) -> u32 {
+    let block = TriangleBlock::new((0..).zip(triangles.iter().copied()));
+    let fused = FusedRay::new(ray, 1.0, 0.0);
+    let filter = ExactBlockFilter::new(ray, &fused);
+    block.used() & !filter.possible_in_f64(&block, block.used())
+}
 
 struct Test<'a, F> {
     filter: F,
@@ -57,6 +70,12 @@ fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
             crossing.intersect(triangle, t_max, &mut ()).is_some(),
         ]
     };
+    let given_up = given_up_in_f64(ray, triangles);
+    for (lane, triangle) in triangles.iter().enumerate() {
+        if given_up >> lane & 1 == 1 && is_hit(triangle, f32::INFINITY) != [false; 2] {
+            return Err(format!("{triangle:?}: a hit is given up in f64"));
+        }
+    }
     for level in levels() {
         let verdict = verdict::<ExactBlockFilter>(level, ray, triangles, t_max);
         let name = level.level();
@@ -240,6 +259,49 @@ proptest! {
     ) {
         assert_true_of_kernels(&triangles, &ray, t_max);
     }
+}
+
+/// Rays that leave a surface, as the oracle sees them: what f64 gives up is not hit, and that is the triangle that they start on.
+#[test]
+fn the_triangle_that_a_ray_starts_on_is_given_up_in_f64() {
+    let [mut rays, mut decided] = [0; 2];
+    let mut runner = TestRunner::deterministic();
+    let scenes = (scene(-12..12), point(1.0), any::<bool>());
+    for _ in 0..1000 {
+        let ((triangles, ray), direction, is_exact) =
+            scenes.new_tree(&mut runner).expect("a scene").current();
+        let mesh = soup(triangles.iter().map(Triangle::vertices).collect());
+        let Some(hit) = BruteForce::new(&mesh, Precision::Exact).closest_hit(&ray) else {
+            continue;
+        };
+        let precision = if is_exact {
+            Precision::Exact
+        } else {
+            Precision::Fast
+        };
+        let start = SurfacePoint::new(&hit, &triangles[hit.primitive as usize], precision);
+        let ray = start.spawn_ray(direction);
+        let given_up = given_up_in_f64(&ray, &triangles);
+        for hit in Oracle::new(&mesh).all_closed_hits(&ray) {
+            assert!(given_up >> hit.triangle & 1 == 0, "{ray:?} {triangles:?}");
+        }
+        rays += 1;
+        decided += given_up >> hit.primitive & 1;
+    }
+    // Of needles f64 is not certain.
+    assert!(
+        rays > 300 && decided * 20 > rays * 19,
+        "{decided} of {rays}"
+    );
+}
+
+#[test]
+fn nothing_is_given_up_in_f64_where_the_interval_begins_behind_the_origin() {
+    let triangle = triangle_around(Vec3::Z, 1.0);
+    let ray = Ray::new(Vec3::Z * 2.0, Vec3::Z);
+    assert_eq!(given_up_in_f64(&ray, &[triangle; 3]), 7);
+    let ray = Ray { t_min: -0.5, ..ray };
+    assert_eq!(given_up_in_f64(&ray, &[triangle; 3]), 0);
 }
 
 fn triangle_around(center: Vec3, size: f32) -> Triangle {
