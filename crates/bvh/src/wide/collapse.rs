@@ -203,13 +203,8 @@ impl Subtree {
 
     fn inner(area: f32, first: &Self, second: &Self, costs: &Costs) -> (Self, Choice) {
         let count = first.count.saturating_add(second.count);
-        let is_pair = first.is_single && second.is_single;
-        let pair = first.forest[0] + second.forest[0];
-        let (share, below) = if is_pair {
-            (1, pair)
-        } else {
-            best_share(first, second, LANES)
-        };
+        let ways = ways(first, second);
+        let (share, below) = ways[LANES - 2];
         let inner = area * costs.node + below;
         let leaf = if count as usize <= costs.max_leaf_size {
             leaf_cost(area, count)
@@ -221,20 +216,13 @@ impl Subtree {
         choice.set_share(LANES, share);
         let mut least = inner.min(leaf);
         let mut forest = [least; LANES - 1];
-        if is_pair {
-            if pair < least {
-                forest[1..].fill(pair);
-                choice.set_share(2, 1);
+        for k in 2..LANES {
+            let (share, cost) = ways[k - 2];
+            if cost < least {
+                least = cost;
+                choice.set_share(k, share);
             }
-        } else {
-            for k in 2..LANES {
-                let (share, cost) = best_share(first, second, k);
-                if cost < least {
-                    least = cost;
-                    choice.set_share(k, share);
-                }
-                forest[k - 1] = least;
-            }
+            forest[k - 1] = least;
         }
         let subtree = Self {
             forest,
@@ -245,17 +233,35 @@ impl Subtree {
     }
 }
 
-/// The cheapest way to share `k` trees among two children: the share of the first one, the smallest on a tie, and the cost.
-#[inline(always)]
-fn best_share(first: &Subtree, second: &Subtree, k: usize) -> (usize, f32) {
-    let mut best = (1, f32::INFINITY);
-    for share in 1..k {
-        let cost = first.forest[share - 1] + second.forest[k - share - 1];
-        if cost < best.1 {
-            best = (share, cost);
+/// The cheapest ways to share two to eight trees among two children: the share of the first one, the smallest on a tie, and the cost.
+///
+/// A child that is one node has no use for more than one tree. Most nodes have such a child.
+fn ways(first: &Subtree, second: &Subtree) -> [(usize, f32); LANES - 1] {
+    let mut ways = [(1, f32::INFINITY); LANES - 1];
+    if first.is_single {
+        for (way, rest) in ways.iter_mut().zip(second.forest) {
+            *way = (1, first.forest[0] + rest);
+        }
+    } else if second.is_single {
+        let mut best = ways[0];
+        for (index, (way, part)) in ways.iter_mut().zip(first.forest).enumerate() {
+            let cost = part + second.forest[0];
+            if cost < best.1 {
+                best = (index + 1, cost);
+            }
+            *way = best;
+        }
+    } else {
+        for (index, way) in ways.iter_mut().enumerate() {
+            for share in 1..index + 2 {
+                let cost = first.forest[share - 1] + second.forest[index + 1 - share];
+                if cost < way.1 {
+                    *way = (share, cost);
+                }
+            }
         }
     }
-    best
+    ways
 }
 
 fn leaf_cost(area: f32, count: u32) -> f32 {
