@@ -53,6 +53,8 @@
 mod build;
 mod bvh;
 mod control;
+mod filling;
+mod huge_pages;
 mod options;
 mod overlap;
 mod parallel;

@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use crate::huge_pages;
+
 /// Runs two tasks, at the same time where the `parallel` feature is on.
 #[cfg(feature = "parallel")]
 fn join<A: Send, B: Send>(
@@ -21,35 +23,18 @@ fn join<A, B>(first: impl FnOnce() -> A, second: impl FnOnce() -> B) -> (A, B) {
 #[cfg(feature = "parallel")]
 pub(crate) fn collect<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
     use rayon::prelude::*;
-    (0..count)
-        .into_par_iter()
-        .with_min_len(CHUNK)
-        .map(value)
-        .collect()
+    let mut list = huge_pages::with_capacity(count);
+    let values = (0..count).into_par_iter().with_min_len(CHUNK);
+    values.map(value).collect_into_vec(&mut list);
+    list
 }
 
 /// The values of a function for `0..count`, in order.
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn collect<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
-    (0..count).map(value).collect()
-}
-
-/// Puts the values of a function for `0..count` into an empty list, in order; a task takes a thousand of them at least.
-#[cfg(feature = "parallel")]
-pub(crate) fn collect_into<T: Send>(
-    list: &mut Vec<T>,
-    count: usize,
-    value: impl Fn(usize) -> T + Sync + Send,
-) {
-    use rayon::prelude::*;
-    let values = (0..count).into_par_iter().with_min_len(1024);
-    values.map(value).collect_into_vec(list);
-}
-
-/// Puts the values of a function for `0..count` into an empty list, in order.
-#[cfg(not(feature = "parallel"))]
-pub(crate) fn collect_into<T>(list: &mut Vec<T>, count: usize, value: impl Fn(usize) -> T) {
+    let mut list = huge_pages::with_capacity(count);
     list.extend((0..count).map(value));
+    list
 }
 
 /// The values of a function for each item, in order; a value takes about a microsecond.

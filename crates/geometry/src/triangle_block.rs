@@ -40,21 +40,35 @@ impl TriangleBlock {
     pub fn new(triangles: impl IntoIterator<Item = (u32, Triangle)>) -> Self {
         let mut block = Self::EMPTY;
         for (lane, (number, triangle)) in triangles.into_iter().take(LANES).enumerate() {
-            block.numbers[lane] = number;
-            for (lanes, vertex) in block.vertices.iter_mut().zip(triangle.vertices()) {
-                for axis in 0..3 {
-                    lanes[axis].0[lane] = vertex[axis];
-                }
-            }
+            block.set(lane, number, &triangle);
         }
         block
+    }
+
+    /// Puts a triangle into a lane of a block that is not marked as [continued](Self::continued).
+    ///
+    /// # Panics
+    /// If there is no such lane.
+    #[inline]
+    pub fn set(&mut self, lane: usize, number: u32, triangle: &Triangle) {
+        self.numbers[lane] = number;
+        for ([x, y, z], vertex) in self.vertices.iter_mut().zip(triangle.vertices()) {
+            x.0[lane] = vertex.x;
+            y.0[lane] = vertex.y;
+            z.0[lane] = vertex.z;
+        }
     }
 
     /// The same block, marked as one that is followed by another of the same list.
     #[must_use]
     pub const fn continued(mut self) -> Self {
-        self.numbers[0] |= CONTINUES;
+        self.set_continued();
         self
+    }
+
+    /// Marks the block as one that is followed by another of the same list.
+    pub const fn set_continued(&mut self) {
+        self.numbers[0] |= CONTINUES;
     }
 
     /// Whether another block of the same list follows.

@@ -19,8 +19,9 @@ const UNSAFE_FILES: &[&str] = &[
     "benches/src/peers/embree/scene.rs",
     "benches/src/peers/embree/trace.rs",
     "benches/src/peers/tinybvh.rs",
+    "crates/bvh/src/filling.rs",
+    "crates/bvh/src/huge_pages.rs",
     "crates/bvh/src/wide/access.rs",
-    "crates/bvh/src/wide/huge_pages.rs",
     "crates/bvh/src/wide/stack.rs",
     "crates/geometry/src/simd/avx2.rs",
     // An allocator that counts, for a test.

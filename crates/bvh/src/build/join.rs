@@ -1,10 +1,11 @@
 //! The tree over the clusters of all chunks.
 
 use super::clusters::{Chunk, Cluster, ClusterLink, MAX_ROUNDS};
-use super::node::{BuildNode, Link, Shift, take};
+use super::node::{BuildNode, Link, Shift};
 use super::reference::Reference;
 use super::{MAX_DEPTH, TriangleNumber, top_down};
 use crate::control::Work;
+use crate::filling::Filling;
 use crate::parallel::for_each;
 use crate::{BuildControl, BuildError, BvhOptions};
 
@@ -32,43 +33,60 @@ pub(super) fn join(
     };
     let top = top_down::build(&mut references, &top_options, MAX_DEPTH - MAX_ROUNDS, &work)?;
 
+    // Where the clusters go.
     let node_count = top.len() + chunks.iter().map(|chunk| chunk.nodes.len()).sum::<usize>();
-    let mut nodes = vec![BuildNode::UNUSED; node_count];
-    let mut listed = vec![TriangleNumber(0); numbers.len()];
-    let (top_nodes, mut nodes_left) = nodes.split_at_mut(top.len());
-    top_nodes.copy_from_slice(&top);
-    let mut listed_left = &mut *listed;
-    let mut next_node = top.len();
-    let mut next_listed = 0;
-    let mut roots = Vec::with_capacity(clusters.len());
-    let mut copies = Vec::with_capacity(clusters.len());
-    for reference in references {
+    let (mut next_node, mut next_listed) = (top.len(), 0);
+    let roots = references.iter().map(|reference| {
         let (cluster, below, place) = clusters[reference.number() as usize];
-        let first = cluster.first as usize;
-        let triangles = &numbers[first..first + cluster.count as usize];
-        let shifts = (Shift::new(place, next_node), Shift::new(first, next_listed));
-        roots.push(cluster.node().moved(shifts.0, shifts.1));
+        let node_shift = Shift::new(place, next_node);
+        let listed_shift = Shift::new(cluster.first as usize, next_listed);
         next_node += below.len();
-        next_listed += triangles.len();
-        copies.push((
-            (take(&mut nodes_left, below.len()), below),
-            (take(&mut listed_left, triangles.len()), triangles),
-            shifts,
-        ));
-    }
-    for_each(copies, |(nodes, numbers, (node_shift, number_shift))| {
-        for (target, node) in nodes.0.iter_mut().zip(nodes.1) {
-            *target = node.moved(node_shift, number_shift);
-        }
-        numbers.0.copy_from_slice(numbers.1);
+        next_listed += cluster.count as usize;
+        cluster.node().moved(node_shift, listed_shift)
     });
-    for node in top_nodes {
-        if let Link::Leaf { first, .. } = node.link() {
-            *node = roots[first];
-        }
+    let roots: Vec<BuildNode> = roots.collect();
+
+    let mut nodes = Filling::new(node_count);
+    let mut listed = Filling::new(numbers.len());
+    let (mut nodes_left, mut listed_left) = (nodes.whole(), listed.whole());
+    let mut tasks = Vec::with_capacity(references.len().div_ceil(TASK));
+    for task in references.chunks(TASK).rev() {
+        let of_task = || {
+            task.iter()
+                .map(|reference| clusters[reference.number() as usize])
+        };
+        let node_count = of_task().map(|(_, below, _)| below.len()).sum();
+        let listed_count = of_task().map(|(cluster, ..)| cluster.count as usize).sum();
+        let parts = (
+            nodes_left.split_last(node_count),
+            listed_left.split_last(listed_count),
+        );
+        tasks.push((task, parts));
     }
-    Ok((nodes, listed))
+    nodes_left.fill_last(top.iter().map(|node| match node.link() {
+        Link::Leaf { first, .. } => roots[first],
+        Link::Inner(_) => *node,
+    }));
+    drop((nodes_left, listed_left));
+    for_each(tasks, |(task, (mut nodes, mut listed))| {
+        for reference in task.iter().rev() {
+            let (cluster, below, place) = clusters[reference.number() as usize];
+            let (first, count) = (cluster.first as usize, cluster.count as usize);
+            let node_shift = Shift::new(place, nodes.end() - below.len());
+            let listed_shift = Shift::new(first, listed.end() - count);
+            nodes.fill_last(
+                below
+                    .iter()
+                    .map(|node| node.moved(node_shift, listed_shift)),
+            );
+            listed.fill_last(numbers[first..first + count].iter().copied());
+        }
+    });
+    Ok((nodes.finish(), listed.finish()))
 }
+
+/// Clusters that a task copies: some thousand nodes.
+const TASK: usize = 256;
 
 /// The clusters of a chunk, each with the nodes below it and their place in the chunk's list.
 fn located(chunk: &Chunk) -> impl Iterator<Item = (&Cluster, &[BuildNode], usize)> {

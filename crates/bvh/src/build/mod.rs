@@ -23,7 +23,7 @@ use tahko_geometry::{Aabb, TriangleMesh};
 use self::node::BuildNode;
 use self::reference::Reference;
 use crate::control::Work;
-use crate::parallel::collect;
+use crate::parallel::{collect, reduce};
 use crate::report::Stopwatch;
 use crate::{BuildControl, BuildError, BuildMethod, BuildPhase, BvhOptions};
 
@@ -58,6 +58,11 @@ impl TriangleNumber {
     pub(crate) const fn number(self) -> u32 {
         self.0
     }
+}
+
+/// Nodes with children.
+fn inner_count(nodes: &[BuildNode]) -> usize {
+    nodes.iter().filter(|node| !node.is_leaf()).count()
 }
 
 impl BinaryTree {
@@ -103,7 +108,7 @@ impl BinaryTree {
         };
         stopwatch.end(BuildPhase::Tree);
         let mut tree = Self {
-            inner_count: nodes.iter().filter(|node| !node.is_leaf()).count(),
+            inner_count: reduce(&nodes, &inner_count, &|a, b| a + b),
             nodes,
             references,
         };

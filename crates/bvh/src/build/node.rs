@@ -2,6 +2,7 @@
 
 use tahko_geometry::{Aabb, glam::Vec3};
 
+use crate::filling::Filling;
 use crate::parallel::for_each;
 
 /// A box and what it links to, 32 bytes.
@@ -109,22 +110,19 @@ pub(super) fn to_u32(index: usize) -> u32 {
 /// their block. Cost: O(n), shared among threads.
 pub(super) fn concatenate(top: &[BuildNode], blocks: &[Vec<BuildNode>]) -> Vec<BuildNode> {
     let length = top.len() + blocks.iter().map(Vec::len).sum::<usize>();
-    let mut nodes = vec![BuildNode::UNUSED; length];
-    let (front, mut rest) = nodes.split_at_mut(top.len());
-    front.copy_from_slice(top);
-    let mut place = top.len();
+    let mut nodes = Filling::new(length);
+    let mut whole = nodes.whole();
     let mut copies = Vec::with_capacity(blocks.len());
-    for block in blocks {
-        let shift = Shift::new(0, place);
-        copies.push((take(&mut rest, block.len()), block, shift));
-        place += block.len();
+    for block in blocks.iter().rev() {
+        copies.push((whole.split_last(block.len()), block));
     }
-    for_each(copies, |(target, block, shift)| {
-        for (target, node) in target.iter_mut().zip(block) {
-            *target = node.moved(shift, Shift::NONE);
-        }
+    whole.fill_last(top.iter().copied());
+    drop(whole);
+    for_each(copies, |(mut target, block)| {
+        let shift = Shift::new(0, target.first());
+        target.fill_last(block.iter().map(|node| node.moved(shift, Shift::NONE)));
     });
-    nodes
+    nodes.finish()
 }
 
 /// Cuts a part off the front of a slice.

@@ -1,162 +1,317 @@
 //! Writes the nodes and blocks that a collapse chose.
+//!
+//! First the nodes and blocks of all subtrees are counted. Then the lists are made as long as they get, and each large subtree is a task that has
+//! a part of its own of both, which it fills from the end on: so a node knows where its children are.
+
+use std::ops::Range;
 
 use tahko_geometry::simd::LANES;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
+use super::choice::Choice;
 use super::collapse::{Collapse, Root};
-use super::{Child, WideBvh, WideNode, huge_pages};
+use super::{Child, WideBvh, WideNode};
 use crate::build::{BinaryTree, Link};
-use crate::parallel::collect_into;
+use crate::filling::{Filling, Part};
+use crate::parallel::{for_each, map};
 
-/// A node whose children are still to be written.
-struct Pending {
-    /// Its place in the binary tree.
-    source: usize,
-    /// Where it stands as a child: the node, and the lane; `None` for the root.
-    parent: Option<(usize, usize)>,
+/// The layout of a tree. Cost: O(n).
+pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse<'_>, mesh: &TriangleMesh) -> WideBvh {
+    let emitter = Emitter {
+        tree,
+        collapse,
+        mesh,
+    };
+    let root = (!tree.is_empty()).then(|| collapse.root());
+    let bounds = root.map_or(Aabb::EMPTY, |root| tree.node(root.index()).0);
+    let plan = root.map_or_else(Plan::default, |root| emitter.plan(root));
+    let mut nodes = Filling::new(plan.extent.nodes);
+    let mut blocks = Filling::new(1 + plan.extent.blocks);
+    let mut whole = Parts::new(nodes.whole(), blocks.whole());
+    let below = whole.split_last(plan.extent);
+    whole.blocks.push_last(TriangleBlock::EMPTY);
+    drop(whole);
+    let root = root.map_or(Child::NOTHING, |root| emitter.write(root, &plan, below));
+    WideBvh {
+        root,
+        bounds,
+        size: root_size(&bounds),
+        nodes: nodes.finish(),
+        blocks: blocks.finish(),
+        depth: plan.extent.depth,
+        triangle_count: mesh.len(),
+    }
+}
+
+/// The largest magnitude of a coordinate; 0 for a box without points.
+fn root_size(bounds: &Aabb) -> f32 {
+    if bounds.is_empty() {
+        0.0
+    } else {
+        size_of_bounds(bounds)
+    }
+}
+
+/// How much there is in a subtree.
+#[derive(Clone, Copy, Default)]
+struct Extent {
+    nodes: usize,
+    blocks: usize,
+    /// Nodes on the longest way, leaves included.
     depth: usize,
 }
 
-/// A part of the list of triangle numbers that becomes blocks.
-type Leaves = Vec<std::ops::Range<usize>>;
+/// What a task has to write.
+#[derive(Default)]
+struct Plan {
+    extent: Extent,
+    /// The children of its nodes: each node's in order, the nodes in the order in which they are looked at when they are written.
+    children: Vec<Root>,
+    /// Those among the children that are tasks of their own, in the same order.
+    tasks: Vec<Self>,
+}
+
+/// The part of both lists that a task fills.
+struct Parts<'a> {
+    nodes: Part<'a, WideNode>,
+    blocks: Part<'a, TriangleBlock>,
+    waiting: Waiting,
+}
+
+/// Blocks that are still to be written, in the order in which they are. Many in a row keep more loads of triangles under way than one at a
+/// time between nodes.
+#[derive(Default)]
+struct Waiting {
+    /// For each block, its triangles in `numbers`, and whether it is followed by another of its leaf.
+    blocks: Vec<(Range<usize>, bool)>,
+    numbers: Vec<u32>,
+}
+
+/// Blocks that wait at most, before a leaf is added: what belongs to them stays in the cache.
+const WAITING: usize = 256;
+
+impl<'a> Parts<'a> {
+    fn new(nodes: Part<'a, WideNode>, blocks: Part<'a, TriangleBlock>) -> Self {
+        Self {
+            nodes,
+            blocks,
+            waiting: Waiting::default(),
+        }
+    }
+
+    /// Cuts off the last places that are not yet written. No blocks wait.
+    fn split_last(&mut self, extent: Extent) -> Self {
+        debug_assert!(self.waiting.blocks.is_empty(), "they stand behind it");
+        Self::new(
+            self.nodes.split_last(extent.nodes),
+            self.blocks.split_last(extent.blocks),
+        )
+    }
+
+    /// Writes the blocks that wait.
+    fn write_waiting(&mut self, mesh: &TriangleMesh) {
+        let Waiting { blocks, numbers } = &mut self.waiting;
+        for (range, continues) in blocks.drain(..) {
+            let block = self.blocks.push_last(TriangleBlock::EMPTY);
+            for (lane, number) in numbers[range].iter().enumerate() {
+                block.set(lane, *number, &mesh.triangle(*number as usize));
+            }
+            if continues {
+                block.set_continued();
+            }
+        }
+        numbers.clear();
+    }
+}
+
+/// What is left of a plan.
+struct Reader<'a> {
+    children: &'a [Root],
+    tasks: std::slice::Iter<'a, Plan>,
+}
+
+impl<'a> Reader<'a> {
+    /// The children of the next node.
+    fn children(&mut self) -> &'a [Root] {
+        let count = self
+            .children
+            .iter()
+            .take_while(|child| !child.is_last())
+            .count();
+        let (children, rest) = self.children.split_at(count + 1);
+        self.children = rest;
+        children
+    }
+}
 
 struct Emitter<'a> {
     tree: &'a BinaryTree,
-    nodes: Vec<WideNode>,
-    /// For each block, its triangles in `numbers`.
-    blocks: Leaves,
-    /// The triangles of the leaves.
-    numbers: Vec<u32>,
-    /// Whether a block is followed by another of its leaf.
-    continues: Vec<bool>,
-    /// Nodes below a leaf that are still to be listed: empty between leaves.
-    below_leaf: Vec<usize>,
-}
-
-/// The layout of a tree. Cost: O(n).
-pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) -> WideBvh {
-    let mut emitter = Emitter {
-        tree,
-        nodes: Vec::new(),
-        blocks: std::iter::once(0..0).collect(),
-        numbers: Vec::with_capacity(tree.references.len()),
-        continues: vec![false],
-        below_leaf: Vec::new(),
-    };
-    let mut layout = WideBvh {
-        root: Child::NOTHING,
-        bounds: Aabb::EMPTY,
-        size: 0.0,
-        nodes: Vec::new(),
-        blocks: Vec::new(),
-        depth: 0,
-        triangle_count: mesh.len(),
-    };
-    if !tree.is_empty() {
-        layout.bounds = tree.node(0).0;
-        layout.size = size_of_bounds(&layout.bounds);
-        emitter.add_nodes(collapse, &mut layout);
-    }
-    layout.nodes = huge_pages::with_capacity(emitter.nodes.len());
-    layout.nodes.append(&mut emitter.nodes);
-    emitter.nodes.shrink_to_fit();
-    let (blocks, numbers, continues) = (&emitter.blocks, &emitter.numbers, &emitter.continues);
-    layout.blocks = huge_pages::with_capacity(blocks.len());
-    collect_into(&mut layout.blocks, blocks.len(), |index| {
-        let numbers = &numbers[blocks[index].clone()];
-        let block = TriangleBlock::new(
-            numbers
-                .iter()
-                .map(|number| (*number, mesh.triangle(*number as usize))),
-        );
-        if continues[index] {
-            block.continued()
-        } else {
-            block
-        }
-    });
-    layout
+    collapse: &'a Collapse<'a>,
+    mesh: &'a TriangleMesh,
 }
 
 impl Emitter<'_> {
-    fn add_nodes(&mut self, collapse: &Collapse, layout: &mut WideBvh) {
-        let root = collapse.root();
-        layout.depth = 1;
-        if root.is_leaf {
-            layout.root = self.add_leaf(root.index);
-            return;
+    /// Whether a tree is a task of its own: some 20 microseconds at least.
+    fn is_task(&self, root: Root) -> bool {
+        !root.is_leaf() && self.collapse.count(root.index()) == Choice::MANY
+    }
+
+    fn plan(&self, root: Root) -> Plan {
+        let mut plan = Plan::default();
+        let mut tasks = Vec::new();
+        if root.is_leaf() {
+            plan.extent.depth = 1;
+            plan.extent.blocks = self.block_count(root.index());
+        } else {
+            self.plan_node(root.index(), 1, &mut plan, &mut tasks);
         }
-        let mut pending = vec![Pending {
-            source: 0,
-            parent: None,
-            depth: 1,
-        }];
-        let mut children: Vec<Root> = Vec::new();
-        while let Some(next) = pending.pop() {
-            let index = self.nodes.len();
-            match next.parent {
-                Some((parent, lane)) => self.nodes[parent].children[lane] = Child::inner(index),
-                None => layout.root = Child::inner(index),
+        plan.children.shrink_to_fit();
+        plan.tasks = map(&tasks, |(task, _)| self.plan(*task));
+        for ((_, depth), task) in tasks.iter().zip(&plan.tasks) {
+            plan.extent.nodes += task.extent.nodes;
+            plan.extent.blocks += task.extent.blocks;
+            plan.extent.depth = plan.extent.depth.max(depth + task.extent.depth);
+        }
+        plan
+    }
+
+    /// Plans a node at some depth of a task, and those below it that are no tasks of their own; lists these with the depth of their parents.
+    fn plan_node(
+        &self,
+        index: usize,
+        depth: usize,
+        plan: &mut Plan,
+        tasks: &mut Vec<(Root, usize)>,
+    ) {
+        let first = plan.children.len();
+        self.collapse.children(index, &mut plan.children);
+        plan.extent.nodes += 1;
+        for place in (first..plan.children.len()).rev() {
+            let child = plan.children[place];
+            if child.is_leaf() {
+                plan.extent.blocks += self.block_count(child.index());
+                plan.extent.depth = plan.extent.depth.max(depth + 1);
+            } else if self.is_task(child) {
+                tasks.push((child, depth));
+            } else {
+                self.plan_node(child.index(), depth + 1, plan, tasks);
             }
-            children.clear();
-            collapse.children(self.tree, next.source, &mut children);
-            let depth = next.depth + 1;
-            layout.depth = layout.depth.max(depth);
-            let mut node = WideNode::EMPTY;
-            let first_pending = pending.len();
-            for (lane, child) in children.iter().enumerate() {
-                let (bounds, _) = self.tree.node(child.index);
-                let place = if child.is_leaf {
-                    self.add_leaf(child.index)
-                } else {
-                    pending.push(Pending {
-                        source: child.index,
-                        parent: Some((index, lane)),
-                        depth,
-                    });
-                    Child::NOTHING
-                };
-                node.set(lane, &bounds, place);
-            }
-            // The first child is popped first, and follows its parent.
-            pending[first_pending..].reverse();
-            self.nodes.push(node);
         }
     }
 
-    /// Adds the blocks of all triangles below a node.
-    fn add_leaf(&mut self, index: usize) -> Child {
-        let first = self.numbers.len();
-        self.below_leaf.push(index);
-        while let Some(index) = self.below_leaf.pop() {
-            match self.tree.node(index).1 {
-                Link::Inner([first, second]) => self.below_leaf.extend([second, first]),
-                Link::Leaf { first, count } => {
-                    let references = &self.tree.references[first..][..count];
-                    self.numbers
-                        .extend(references.iter().map(|reference| reference.number()));
-                }
-            }
+    /// The blocks of a leaf.
+    fn block_count(&self, index: usize) -> usize {
+        if self.collapse.count(index) as usize <= LANES {
+            return 1;
         }
+        let mut numbers = Vec::new();
+        self.list(index, &mut numbers);
+        numbers.len().div_ceil(LANES)
+    }
+
+    /// Fills the parts of a task and of those below it, and returns where its root is.
+    fn write(&self, root: Root, plan: &Plan, mut parts: Parts<'_>) -> Child {
+        let mut tasks = Vec::new();
+        let place = if root.is_leaf() {
+            self.add_leaf(root.index(), &mut parts)
+        } else {
+            let mut reader = Reader {
+                children: &plan.children,
+                tasks: plan.tasks.iter(),
+            };
+            self.add_node(&mut reader, &mut parts, &mut tasks)
+        };
+        parts.write_waiting(self.mesh);
+        for_each(tasks, |(root, plan, parts)| {
+            self.write(root, plan, parts);
+        });
+        place
+    }
+
+    /// Adds the next node of a plan and those below it that are no tasks of their own. The recursion is as deep as the wide tree.
+    fn add_node<'p, 'l>(
+        &self,
+        reader: &mut Reader<'p>,
+        parts: &mut Parts<'l>,
+        tasks: &mut Vec<(Root, &'p Plan, Parts<'l>)>,
+    ) -> Child {
+        let children = reader.children();
+        let mut places = [Child::NOTHING; LANES];
+        for (place, child) in places.iter_mut().zip(children).rev() {
+            if child.is_leaf() {
+                continue;
+            }
+            *place = if self.is_task(*child) {
+                parts.write_waiting(self.mesh);
+                let plan = reader.tasks.next().expect("it was planned");
+                let below = parts.split_last(plan.extent);
+                let place = Child::inner(below.nodes.first());
+                tasks.push((*child, plan, below));
+                place
+            } else {
+                self.add_node(reader, parts, tasks)
+            };
+        }
+        // The blocks of a node's leaves stand before those below its other children.
+        let mut node = WideNode::EMPTY;
+        for (lane, child) in children.iter().enumerate().rev() {
+            if child.is_leaf() {
+                places[lane] = self.add_leaf(child.index(), parts);
+            }
+            node.set(lane, &self.tree.node(child.index()).0, places[lane]);
+        }
+        parts.nodes.push_last(node);
+        Child::inner(parts.nodes.end())
+    }
+
+    /// Adds the blocks of all triangles below a binary node.
+    fn add_leaf(&self, index: usize, parts: &mut Parts<'_>) -> Child {
+        if parts.waiting.blocks.len() >= WAITING {
+            parts.write_waiting(self.mesh);
+        }
+        let Waiting { blocks, numbers } = &mut parts.waiting;
+        let mut end = numbers.len();
+        let first = end;
+        self.list(index, numbers);
+        while end < numbers.len() {
+            let start = end;
+            end = numbers.len().min(start + LANES);
+            blocks.push((start..end, end < numbers.len()));
+        }
+        // The last block of the leaf is written first.
+        let count = (end - first).div_ceil(LANES);
+        let in_order = blocks.len() - count;
+        blocks[in_order..].reverse();
+        Child::leaf(parts.blocks.end() - blocks.len())
+    }
+
+    /// Appends the triangles below a binary node to a list, in ascending order.
+    fn list(&self, index: usize, numbers: &mut Vec<u32>) {
+        let first = numbers.len();
+        self.gather(index, numbers);
+        numbers[first..].sort_unstable();
         // Spatial splits may have listed a triangle in several of the leaves that are now one.
-        self.numbers[first..].sort_unstable();
         let mut end = first;
-        for place in first..self.numbers.len() {
-            if place == first || self.numbers[place] != self.numbers[end - 1] {
-                self.numbers[end] = self.numbers[place];
+        for place in first..numbers.len() {
+            if place == first || numbers[place] != numbers[end - 1] {
+                numbers[end] = numbers[place];
                 end += 1;
             }
         }
-        self.numbers.truncate(end);
-        let child = Child::leaf(self.blocks.len());
-        let mut start = first;
-        while start < end {
-            let stop = end.min(start + LANES);
-            self.blocks.push(start..stop);
-            self.continues.push(stop < end);
-            start = stop;
+        numbers.truncate(end);
+    }
+
+    fn gather(&self, index: usize, numbers: &mut Vec<u32>) {
+        match self.tree.node(index).1 {
+            Link::Inner([first, second]) => {
+                self.gather(first, numbers);
+                self.gather(second, numbers);
+            }
+            Link::Leaf { first, count } => {
+                let references = &self.tree.references[first..][..count];
+                numbers.extend(references.iter().map(|reference| reference.number()));
+            }
         }
-        child
     }
 }
 

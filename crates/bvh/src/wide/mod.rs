@@ -2,10 +2,10 @@
 
 mod access;
 mod batch;
+mod choice;
 mod collapse;
 mod emit;
 mod frustum;
-mod huge_pages;
 mod leaf;
 mod node;
 mod order;
@@ -61,8 +61,8 @@ impl PartialEq for WideBvh {
     }
 }
 
-/// What the layout of a binary tree takes while it is made and afterwards, in bytes: the costs of all subtrees, the triangles' numbers, and blocks and nodes, if
-/// leaves hold three triangles or more where they may.
+/// What the layout of a binary tree takes while it is made and afterwards, in bytes: the choices for all subtrees, lists of children,
+/// and blocks and nodes, if leaves hold three triangles or more where they may.
 pub(crate) const fn layout_bytes(references: u64, nodes: u64, max_leaf_size: usize) -> u64 {
     let fill = if max_leaf_size < 3 {
         max_leaf_size as u64
@@ -71,9 +71,12 @@ pub(crate) const fn layout_bytes(references: u64, nodes: u64, max_leaf_size: usi
     };
     let blocks = references.div_ceil(fill) + 1;
     let wide_nodes = blocks.div_ceil(3);
-    // Lists grow to twice their length at most; a block has a range of numbers and a mark beside it while it waits to be written.
-    let lists = 2 * (wide_nodes * size_of::<WideNode>() as u64 + blocks * 17) + 4 * references;
-    nodes * Collapse::BYTES_PER_NODE + lists + blocks * size_of::<TriangleBlock>() as u64
+    // Lists of children grow to twice their length at most; tasks have a thousand references at least.
+    let plans = 8 * (blocks + wide_nodes) + references / 8;
+    nodes * Collapse::BYTES_PER_NODE
+        + plans
+        + wide_nodes * size_of::<WideNode>() as u64
+        + blocks * size_of::<TriangleBlock>() as u64
 }
 
 impl WideBvh {

@@ -21,7 +21,7 @@ use super::{Child, Kind, WideBvh, WideNode};
 /// Rays of a packet at most: one bit each.
 pub(super) const SIZE: usize = 64;
 const GROUPS: usize = SIZE / LANES;
-/// So few rays go on alone. Measured with 2 to 24: the more the better where neighbours part soon, by up to a sixth (shadow rays among hairs), the fewer the better
+/// So few rays go on alone. Measured with 4 to 24: the more the better where neighbours part soon, by up to a sixth (shadow rays among hairs), the fewer the better
 /// where they do not, by up to a tenth.
 const FEW: u32 = 8;
 

@@ -98,13 +98,10 @@ fn build_by(
     let capacity = capacity(count, options.spatial_split_budget);
     // The room is filled with anything: it is not read before it is written.
     references.resize(capacity, references[0]);
-    let mut nodes = vec![BuildNode::UNUSED; 2 * capacity - 1];
+    let mut nodes = collect(2 * capacity - 1, |_| BuildNode::UNUSED);
     builder.build(&mut references, count, &mut nodes, extent, Place::ROOT);
     work.control.check()?;
-    compact(&mut references, &mut nodes);
-    let numbers = collect(references.len(), |index| {
-        TriangleNumber(references[index].number())
-    });
+    let numbers = compact(&references, &mut nodes);
     Ok((nodes, numbers))
 }
 
@@ -283,18 +280,24 @@ fn without_repetition(references: &mut [Reference]) -> usize {
     kept
 }
 
-/// Removes the room between the references of the leaves.
-fn compact(references: &mut Vec<Reference>, nodes: &mut [BuildNode]) {
-    let mut end = 0;
+/// The triangles of the leaves, without the room between them.
+fn compact(references: &[Reference], nodes: &mut [BuildNode]) -> Vec<TriangleNumber> {
+    let mut numbers = Vec::with_capacity(references.len());
     // Nodes stand in the order of their references; unused ones have none.
     for node in nodes {
-        if let Link::Leaf { first, count } = node.link() {
-            references.copy_within(first..first + count, end);
-            *node = BuildNode::new(&node.bounds(), Link::Leaf { first: end, count });
-            end += count;
+        if let Link::Leaf { first, count } = node.link()
+            && count > 0
+        {
+            let link = Link::Leaf {
+                first: numbers.len(),
+                count,
+            };
+            *node = BuildNode::new(&node.bounds(), link);
+            let references = references[first..first + count].iter();
+            numbers.extend(references.map(|reference| TriangleNumber(reference.number())));
         }
     }
-    references.truncate(end);
+    numbers
 }
 
 #[cfg(test)]

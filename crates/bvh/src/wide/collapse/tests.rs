@@ -75,22 +75,30 @@ fn least_cost(tree: &BinaryTree, index: usize, costs: &Costs) -> f64 {
 }
 
 /// The cost of the trees that a collapse chose; checks that they are allowed.
-fn cost(tree: &BinaryTree, collapse: &Collapse, root: Root, costs: &Costs) -> f64 {
-    let is_leaf = matches!(tree.node(root.index).1, Link::Leaf { .. });
-    if root.is_leaf {
-        let count = count(tree, root.index);
+fn cost(tree: &BinaryTree, collapse: &Collapse<'_>, root: Root, costs: &Costs) -> f64 {
+    let is_leaf = matches!(tree.node(root.index()).1, Link::Leaf { .. });
+    if root.is_leaf() {
+        let count = count(tree, root.index());
         assert!(is_leaf || count <= costs.max_leaf_size, "{count} triangles");
-        return cost_as_leaf(tree, root.index);
+        return cost_as_leaf(tree, root.index());
     }
     assert!(!is_leaf, "a leaf has no children");
     let mut children = Vec::new();
-    collapse.children(tree, root.index, &mut children);
+    collapse.children(root.index(), &mut children);
+    let is_last = children.iter().map(|child| child.is_last());
+    assert!(
+        is_last
+            .rev()
+            .enumerate()
+            .all(|(place, last)| last == (place == 0)),
+        "the last one"
+    );
     assert!((2..=LANES).contains(&children.len()), "{children:?}");
-    let counts = children.iter().map(|child| count(tree, child.index));
-    assert_eq!(counts.sum::<usize>(), count(tree, root.index));
-    let below = children.into_iter();
-    let below = below.map(|child| cost(tree, collapse, child, costs));
-    area(tree, root.index) * f64::from(costs.node) + below.sum::<f64>()
+    let counts = children.iter().map(|child| count(tree, child.index()));
+    assert_eq!(counts.sum::<usize>(), count(tree, root.index()));
+    let below = children.iter();
+    let below = below.map(|child| cost(tree, collapse, *child, costs));
+    area(tree, root.index()) * f64::from(costs.node) + below.sum::<f64>()
 }
 
 fn small_mesh() -> impl Strategy<Value = TriangleMesh> {
@@ -135,10 +143,10 @@ fn full_blocks_are_made_where_nodes_are_dear_and_single_triangles_where_they_are
         let collapse = Collapse::new(&tree, &costs);
         let (mut pending, mut sizes) = (vec![collapse.root()], Vec::new());
         while let Some(next) = pending.pop() {
-            if next.is_leaf {
-                sizes.push(count(&tree, next.index));
+            if next.is_leaf() {
+                sizes.push(count(&tree, next.index()));
             } else {
-                collapse.children(&tree, next.index, &mut pending);
+                collapse.children(next.index(), &mut pending);
             }
         }
         sizes
@@ -173,6 +181,6 @@ fn a_leaf_that_cannot_be_split_is_kept_whatever_its_size() {
     let collapse = Collapse::new(&tree, &costs);
     let root = collapse.root();
     let is_leaf = matches!(tree.node(0).1, Link::Leaf { .. });
-    assert_eq!(root.is_leaf, is_leaf);
+    assert_eq!(root.is_leaf(), is_leaf);
     assert!(cost(&tree, &collapse, root, &costs) > 0.0, "allowed");
 }

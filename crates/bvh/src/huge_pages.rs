@@ -8,7 +8,7 @@
 const WORTH_IT: usize = 4 << 20;
 
 /// An empty list with room for `count` values, in huge pages if it is large and the system has them.
-pub(super) fn with_capacity<T>(count: usize) -> Vec<T> {
+pub(crate) fn with_capacity<T>(count: usize) -> Vec<T> {
     let list: Vec<T> = Vec::with_capacity(count);
     let bytes = list.capacity() * size_of::<T>();
     if bytes >= WORTH_IT {
