@@ -4,7 +4,8 @@ use tahko_geometry::simd::LANES;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
 use super::collapse::{Collapse, Root};
-use super::{Child, WideBvh, WideNode, huge_pages};
+use super::{Child, Nodes, WideBvh, WideNode, huge_pages};
+use crate::NodeFormat;
 use crate::build::{BinaryTree, Link};
 use crate::parallel::collect_into;
 
@@ -34,7 +35,12 @@ struct Emitter<'a> {
 }
 
 /// The layout of a tree. Cost: O(n).
-pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) -> WideBvh {
+pub(super) fn emit(
+    tree: &BinaryTree,
+    collapse: &Collapse,
+    mesh: &TriangleMesh,
+    format: NodeFormat,
+) -> WideBvh {
     let mut emitter = Emitter {
         tree,
         nodes: Vec::new(),
@@ -47,19 +53,17 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse, mesh: &TriangleMesh) 
         root: Child::NOTHING,
         bounds: Aabb::EMPTY,
         size: 0.0,
-        nodes: Vec::new(),
+        nodes: Nodes::Full(Vec::new()),
         blocks: Vec::new(),
         depth: 0,
         triangle_count: mesh.len(),
     };
     if !tree.is_empty() {
         layout.bounds = tree.node(0).0;
-        layout.size = size_of_bounds(&layout.bounds);
         emitter.add_nodes(collapse, &mut layout);
+        layout.nodes = Nodes::new(std::mem::take(&mut emitter.nodes), format);
+        layout.size = size_of_bounds(&layout.outer_bounds());
     }
-    layout.nodes = huge_pages::with_capacity(emitter.nodes.len());
-    layout.nodes.append(&mut emitter.nodes);
-    emitter.nodes.shrink_to_fit();
     let (blocks, numbers, continues) = (&emitter.blocks, &emitter.numbers, &emitter.continues);
     layout.blocks = huge_pages::with_capacity(blocks.len());
     collect_into(&mut layout.blocks, blocks.len(), |index| {

@@ -7,20 +7,22 @@ mod emit;
 mod huge_pages;
 mod leaf;
 mod node;
+mod nodes;
 mod order;
+mod quantised;
 mod slabs;
 mod stack;
 mod traverse;
 
-use tahko_geometry::simd::Simd;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
 
 use crate::build::BinaryTree;
-use crate::{BuildControl, BuildError};
+use crate::{BuildControl, BuildError, NodeFormat};
 
 use self::collapse::Collapse;
 pub(crate) use self::collapse::Costs;
 pub(crate) use self::node::{Child, Kind, WideNode};
+pub(crate) use self::nodes::Nodes;
 
 /// Nodes and triangles as queries read them.
 ///
@@ -31,9 +33,9 @@ pub(crate) struct WideBvh {
     /// Nothing for a tree over no triangles.
     pub(crate) root: Child,
     pub(crate) bounds: Aabb,
-    /// The largest magnitude of a coordinate of the bounds.
+    /// The largest magnitude of a coordinate of the bounds and of all boxes.
     pub(crate) size: f32,
-    pub(crate) nodes: Vec<WideNode>,
+    pub(crate) nodes: Nodes,
     pub(crate) blocks: Vec<TriangleBlock>,
     /// Nodes on the longest way from the root to a leaf, both included.
     pub(crate) depth: usize,
@@ -68,6 +70,7 @@ pub(crate) const fn layout_bytes(references: u64, nodes: u64, max_leaf_size: usi
     };
     let blocks = references.div_ceil(fill) + 1;
     let wide_nodes = blocks.div_ceil(3);
+    // Of nodes as they are emitted. Quantised ones are made of them before there are blocks, and are smaller afterwards.
     // Lists grow to twice their length at most; a block has a range of numbers and a mark beside it while it waits to be written.
     let lists = 2 * (wide_nodes * size_of::<WideNode>() as u64 + blocks * 17) + 4 * references;
     nodes * Collapse::BYTES_PER_NODE + lists + blocks * size_of::<TriangleBlock>() as u64
@@ -87,18 +90,17 @@ impl WideBvh {
 
     /// Memory of nodes and triangles, in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
+        self.nodes.bytes() + size_of_val(&*self.blocks)
     }
 
-    /// Asks for the memory of a child that is soon needed.
-    #[inline(always)]
-    pub(crate) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
-        let index = child.index();
-        let node = self.nodes.as_ptr().wrapping_add(index).cast::<u8>();
-        let block = self.blocks.as_ptr().wrapping_add(index).cast::<u8>();
-        // A choice between addresses, not a branch.
-        let place = if child.is_leaf() { block } else { node };
-        simd.prefetch(place, size_of::<WideNode>());
+    /// The box that all boxes lie in: larger than the bounds where boxes are rounded outward.
+    pub(crate) fn outer_bounds(&self) -> Aabb {
+        match (&self.nodes, self.root.kind()) {
+            (Nodes::Quantised(nodes), Kind::Inner(root)) if root < nodes.len() => {
+                self.bounds.union(self.nodes.at(root).outer_bounds())
+            }
+            _ => self.bounds,
+        }
     }
 
     /// The triangles of a leaf.
@@ -116,11 +118,12 @@ impl WideBvh {
         tree: &BinaryTree,
         mesh: &TriangleMesh,
         costs: &Costs,
+        format: NodeFormat,
         control: &BuildControl,
     ) -> Result<Self, BuildError> {
         let collapse = Collapse::new(tree, costs);
         control.check()?;
-        let layout = emit::emit(tree, &collapse, mesh);
+        let layout = emit::emit(tree, &collapse, mesh, format);
         control.check()?;
         Ok(layout)
     }

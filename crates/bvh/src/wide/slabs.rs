@@ -4,7 +4,7 @@ use tahko_geometry::glam::Vec4;
 use tahko_geometry::simd::Simd;
 use tahko_geometry::{FusedRay, FusedSlabs};
 
-use super::WideNode;
+use super::node::Node;
 
 /// What the boxes of nodes are tested with.
 pub(super) struct Slabs<S: Simd> {
@@ -46,7 +46,7 @@ impl<S: Simd> Slabs<S> {
 
     /// Where the ray enters the boxes, and which of them it does not miss.
     #[inline(always)]
-    pub(super) fn clip(&self, node: &WideNode, t_max: S::F32s) -> (S::F32s, S::Mask) {
+    pub(super) fn clip<N: Node>(&self, node: &N, t_max: S::F32s) -> (S::F32s, S::Mask) {
         let simd = self.simd;
         let (near_x, far_x) = self.planes(node, 0);
         let (near_y, far_y) = self.planes(node, 1);
@@ -59,12 +59,8 @@ impl<S: Simd> Slabs<S> {
 
     /// Where the ray meets the planes across an axis: those that it meets first, and the others.
     #[inline(always)]
-    fn planes(&self, node: &WideNode, axis: usize) -> (S::F32s, S::F32s) {
-        let is_negative = self.negative[axis];
-        let near = self.simd.load(&node.bounds[axis][usize::from(is_negative)]);
-        let far = self
-            .simd
-            .load(&node.bounds[axis][usize::from(!is_negative)]);
+    fn planes<N: Node>(&self, node: &N, axis: usize) -> (S::F32s, S::F32s) {
+        let [near, far] = node.planes(self.simd, axis, self.negative[axis]);
         let t = |planes: &Planes<S>, places: S::F32s| {
             self.simd
                 .mul_add(places, planes.reciprocal[axis], planes.offset[axis])
