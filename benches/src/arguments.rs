@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Parser, ValueEnum};
+use tahko_bvh::NodeFormat;
 use tahko_tracer::accelerator::StructureKind;
 use tahko_tracer::geometry::Precision;
 use tahko_tracer::geometry::simd::SimdLevel;
@@ -53,6 +54,9 @@ pub(crate) struct Arguments {
         default_value = "balanced"
     )]
     pub(crate) presets: Vec<Preset>,
+    /// How the BVH stores its nodes; others than the default are presets of their own in the report
+    #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = node_format, default_value = "full")]
+    pub(crate) node_formats: Vec<NodeFormat>,
     /// Precisions
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = precision)]
     pub(crate) precision: Vec<Precision>,
@@ -178,6 +182,10 @@ fn precision(name: &str) -> Result<Precision, String> {
     named(name, &Precision::ALL, Precision::name)
 }
 
+fn node_format(name: &str) -> Result<NodeFormat, String> {
+    named(name, &NodeFormat::ALL, NodeFormat::name)
+}
+
 fn simd(name: &str) -> Result<SimdLevel, String> {
     named(name, &SimdLevel::ALL, SimdLevel::name)
 }
@@ -251,6 +259,8 @@ mod tests {
             error.contains("there are brute, bsp, kdtree, bvh"),
             "{error}"
         );
+        let error = parse(&["--node-formats", "half"]).unwrap_err().to_string();
+        assert!(error.contains("there are full, quantised"), "{error}");
         let error = parse(&["--simd", "sse"]).unwrap_err().to_string();
         assert!(error.contains("portable"), "{error}");
     }

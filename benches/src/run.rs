@@ -266,11 +266,14 @@ fn recipes(arguments: &Arguments) -> Result<Vec<Box<dyn Recipe>>> {
     let mut recipes: Vec<Box<dyn Recipe>> = Vec::new();
     for kind in or_all(&arguments.structures, &StructureKind::ALL) {
         for preset in &arguments.presets {
-            let structure = Structure::new(kind, *preset, &precisions, &arguments.interfaces);
-            let is_named = !arguments.structures.is_empty();
-            let structure =
-                structure.map(|structure| structure.named(is_named).with_levels(&levels));
-            recipes.extend(structure.map(|structure| Box::new(structure) as Box<dyn Recipe>));
+            for format in &arguments.node_formats {
+                let structure = Structure::new(kind, *preset, &precisions, &arguments.interfaces);
+                let structure = structure.and_then(|structure| structure.with_node_format(*format));
+                let is_named = !arguments.structures.is_empty();
+                let structure =
+                    structure.map(|structure| structure.named(is_named).with_levels(&levels));
+                recipes.extend(structure.map(|structure| Box::new(structure) as Box<dyn Recipe>));
+            }
         }
     }
     ensure!(

@@ -6,7 +6,7 @@ use std::time::Instant;
 use anyhow::{Context, Result};
 use clap::ValueEnum;
 use tahko_bsp::{BspOptions, BspTree};
-use tahko_bvh::{Bvh, BvhOptions};
+use tahko_bvh::{Bvh, BvhOptions, NodeFormat};
 use tahko_kdtree::{KdTree, KdTreeOptions};
 use tahko_tracer::accelerator::StructureKind;
 use tahko_tracer::geometry::simd::{AvailableSimd, SimdLevel};
@@ -69,6 +69,8 @@ pub(crate) struct Structure {
     interfaces: Vec<Interface>,
     /// Instructions of the traversal, for a structure that has a choice.
     levels: Vec<SimdLevel>,
+    /// How nodes are stored, for a structure that has a choice.
+    node_format: NodeFormat,
     is_named: bool,
 }
 
@@ -94,6 +96,7 @@ impl Structure {
             precisions: precisions.to_vec(),
             interfaces: interfaces.to_vec(),
             levels: vec![AvailableSimd::best().level()],
+            node_format: NodeFormat::Full,
             is_named: false,
         })
     }
@@ -102,6 +105,21 @@ impl Structure {
     pub(crate) fn with_levels(mut self, levels: &[SimdLevel]) -> Self {
         self.levels = levels.to_vec();
         self
+    }
+
+    /// With another format of nodes than the default. `None` for a structure that has no choice.
+    pub(crate) fn with_node_format(mut self, format: NodeFormat) -> Option<Self> {
+        let has_choice = self.kind == StructureKind::Bvh || format == NodeFormat::Full;
+        self.node_format = format;
+        has_choice.then_some(self)
+    }
+
+    /// The preset's name in reports: other formats of nodes than the default count as presets of their own.
+    fn preset_name(&self) -> String {
+        match self.node_format {
+            NodeFormat::Full => self.preset.name().to_owned(),
+            format => format!("{}_{}", self.preset.name(), format.name()),
+        }
     }
 
     /// The instructions that it is asked with; one entry for a structure that has no choice.
@@ -127,7 +145,10 @@ impl Structure {
             StructureKind::KdTree => {
                 Tree::KdTree(KdTree::build(mesh, &kdtree_options(self.preset))?)
             }
-            StructureKind::Bvh => Tree::Bvh(Bvh::build(mesh, &bvh_options(self.preset))?),
+            StructureKind::Bvh => {
+                let options = bvh_options(self.preset).with_node_format(self.node_format);
+                Tree::Bvh(Bvh::build(mesh, &options)?)
+            }
         })
     }
 
@@ -180,7 +201,7 @@ impl Recipe for Structure {
                     names.push(report::Contender {
                         library: LIBRARY.to_owned(),
                         structure: self.kind.name().to_owned(),
-                        preset: self.preset.name().to_owned(),
+                        preset: self.preset_name(),
                         precision: precision.name().to_owned(),
                         simd: simd_name(self.kind, *level).to_owned(),
                         interface: interface.name().to_owned(),

@@ -72,7 +72,13 @@ impl Bvh {
         let mut stopwatch = Stopwatch::start();
         let tree = BinaryTree::build(mesh, options, control, &mut stopwatch)?;
         let bvh = Self {
-            layout: WideBvh::new(&tree, mesh, &Costs::new(options), control)?,
+            layout: WideBvh::new(
+                &tree,
+                mesh,
+                &Costs::new(options),
+                options.node_format,
+                control,
+            )?,
             options: options.clone(),
             simd: AvailableSimd::best(),
         };
@@ -140,6 +146,7 @@ mod tests {
     use tahko_geometry::glam::Vec3;
 
     use super::*;
+    use crate::NodeFormat;
     use crate::wide::Child;
 
     /// Triangles between neighbouring points of a sequence whose coordinates are exact in f32.
@@ -155,7 +162,7 @@ mod tests {
     /// FNV-1a over all bits of the layout but the vertices.
     fn fingerprint(layout: &WideBvh) -> u64 {
         let nodes = layout.nodes.iter().flat_map(|node| {
-            let lanes = node.bounds.as_flattened().iter();
+            let lanes = node.bounds.into_iter().flatten();
             let bounds = lanes.flat_map(|lanes| lanes.0.map(f32::to_bits));
             bounds.chain(node.children.map(Child::bits))
         });
@@ -180,6 +187,7 @@ mod tests {
             BvhOptions::fast(),
             BvhOptions::balanced(),
             BvhOptions::high_quality(),
+            BvhOptions::fast().with_node_format(NodeFormat::Quantised),
         ];
         let found = presets.map(|options| {
             let bvh = Bvh::build(&mesh, &options).expect("options in range");
@@ -189,6 +197,7 @@ mod tests {
             0x7ea2_7478_a9e2_0d28,
             0x871e_ed1c_c25a_5264,
             0xfbc2_5814_46cd_9946,
+            0xa585_f5ba_601f_aba4,
         ];
         assert_eq!(found.map(|(hash, _)| hash), expected, "{found:x?}");
     }

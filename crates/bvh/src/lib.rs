@@ -36,7 +36,8 @@
 //! # Memory
 //! Meshes that were measured take 67 to 90 bytes per triangle, a copy of the triangles included; those with few triangles per leaf take more. Each triangle is listed
 //! once, unless [spatial splits](BvhOptions::spatial_split_budget) are allowed, as they are in [`BvhOptions::high_quality`].
-//! [`BvhOptions::build_memory`] estimates what a build takes. On Linux, large trees ask for huge pages.
+//! [`BvhOptions::build_memory`] estimates what a build takes. On Linux, large trees ask for huge pages. An eighth is boxes of nodes;
+//! [`NodeFormat::Quantised`] keeps three eighths of that.
 //!
 //! # Queries
 //! - [`RayQuery`](tahko_geometry::RayQuery) has them. For many rays take its batches, `closest_hits` and `any_hits`: in a tree beyond the caches they
@@ -67,6 +68,6 @@ mod wide;
 
 pub use bvh::Bvh;
 pub use control::BuildControl;
-pub use options::{BuildError, BuildMethod, BvhOptions};
+pub use options::{BuildError, BuildMethod, BvhOptions, NodeFormat};
 pub use report::{BuildPhase, BuildReport};
 pub use validate::{Content, ValidationError};

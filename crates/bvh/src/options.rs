@@ -44,6 +44,8 @@ pub struct BvhOptions {
     pub traversal_cost: f64,
     /// Cost of a triangle test, or of one of up to eight triangles at a time; positive and finite.
     pub intersection_cost: f64,
+    /// How the boxes of nodes are stored.
+    pub node_format: NodeFormat,
 }
 
 /// How a tree is built.
@@ -55,6 +57,32 @@ pub enum BuildMethod {
     Clusters,
     /// Nodes are split top down where the surface area heuristic finds it cheapest.
     TopDown,
+}
+
+/// How the boxes of nodes are stored. The answers are the same, bit for bit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum NodeFormat {
+    /// As they are, in f32: 256 bytes for a node of up to eight children.
+    Full,
+    /// Rounded outward to 8 bits of the extent of the node: 96 bytes, which makes trees 8 % smaller. Measured against the other format, rays visit 2 to 4 % more nodes,
+    /// and to decode a node takes a third more instructions: up to a tenth slower in trees that fit the caches, about as fast in trees of 100 MB and more. An object that
+    /// is tiny beside its surroundings costs more: in the node that it shares with them its parts have boxes as large as a step of their grid.
+    Quantised,
+}
+
+impl NodeFormat {
+    /// All formats, the most precise one first.
+    pub const ALL: [Self; 2] = [Self::Full, Self::Quantised];
+
+    /// The name in reports and on command lines: `full` or `quantised`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Full => "full",
+            Self::Quantised => "quantised",
+        }
+    }
 }
 
 /// Why a tree was not built.
@@ -138,6 +166,7 @@ impl BvhOptions {
             // Measured in trees with eight children per node: ratios of 0.7, 1 and 1.5 give the same trees within 1 %.
             traversal_cost: 1.5,
             intersection_cost: 1.0,
+            node_format: NodeFormat::Full,
         }
     }
 
@@ -208,6 +237,13 @@ impl BvhOptions {
     pub const fn with_costs(mut self, traversal_cost: f64, intersection_cost: f64) -> Self {
         self.traversal_cost = traversal_cost;
         self.intersection_cost = intersection_cost;
+        self
+    }
+
+    /// Sets [`node_format`](Self::node_format).
+    #[must_use]
+    pub const fn with_node_format(mut self, node_format: NodeFormat) -> Self {
+        self.node_format = node_format;
         self
     }
 

@@ -156,8 +156,8 @@ impl<'a> Overlap<'a> {
         let Kind::Inner(node) = child.kind() else {
             return 0.0;
         };
-        let children = self.layout.nodes[node].children();
-        let sums = children.map(|(bounds, child)| {
+        let node = self.layout.nodes.at(node);
+        let sums = node.children().map(|(bounds, child)| {
             let below = self.below(child);
             let start = places.partition_point(|place| place / LANES < below.start);
             let end = places.partition_point(|place| place / LANES < below.end);
@@ -187,8 +187,10 @@ impl<'a> Overlap<'a> {
         match child.kind() {
             Kind::Leaf(first) => part.area * self.counts[first] as f64,
             Kind::Inner(node) => {
-                let children = self.layout.nodes[node].children();
-                let below = children.map(|(bounds, child)| self.inside(child, &bounds, part));
+                let node = self.layout.nodes.at(node);
+                let below = node
+                    .children()
+                    .map(|(bounds, child)| self.inside(child, &bounds, part));
                 part.area * self.inner_node_cost + below.sum::<f64>()
             }
         }

@@ -3,7 +3,7 @@
 use tahko_geometry::{Aabb, ExpectedVisits, TreeStatistics, TriangleBlock};
 
 use crate::Bvh;
-use crate::wide::{Child, Kind, WideNode};
+use crate::wide::{Child, Kind};
 
 impl Bvh {
     /// What the tree looks like and what a random ray is expected to cost in it.
@@ -38,7 +38,9 @@ impl Bvh {
         let mut visits = ExpectedVisits::default();
         let root_area = layout.bounds.half_area();
         let mut add = |bounds: &Aabb, child: Child| {
-            let probability = ExpectedVisits::probability(bounds.half_area(), root_area);
+            // A box that is rounded outward may leave the bounds, in which lines are counted.
+            let visited = bounds.intersection(layout.bounds);
+            let probability = ExpectedVisits::probability(visited.half_area(), root_area);
             match child.kind() {
                 Kind::Inner(_) => visits.add_inner_node(probability),
                 Kind::Leaf(first) => {
@@ -51,8 +53,10 @@ impl Bvh {
         if layout.root != Child::NOTHING {
             add(&layout.bounds, layout.root);
         }
-        for (bounds, child) in layout.nodes.iter().flat_map(WideNode::children) {
-            add(&bounds, child);
+        for node in layout.nodes.iter() {
+            for (bounds, child) in node.children() {
+                add(&bounds, child);
+            }
         }
         visits
     }

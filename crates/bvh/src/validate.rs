@@ -77,20 +77,23 @@ impl<'a> Validation<'a> {
         self.check_first_block()?;
         let root = Pending {
             child: self.layout.root,
-            bounds: self.layout.bounds,
+            bounds: self.layout.outer_bounds(),
             depth: 1,
         };
         let mut pending = Vec::new();
         if root.child != Child::NOTHING {
             pending.push(root);
-        } else if !self.layout.nodes.is_empty() || self.layout.blocks.len() > 1 {
+        } else if self.layout.nodes.len() > 0 || self.layout.blocks.len() > 1 {
             return Err(ValidationError::NoRoot);
         }
         while let Some(next) = pending.pop() {
             self.depth = self.depth.max(next.depth);
             match next.child.kind() {
                 Kind::Inner(index) => self.check_node(index, &next, &mut pending)?,
-                Kind::Leaf(first) => self.check_leaf(first, &next.bounds)?,
+                // Boxes that are rounded outward may leave the bounds; triangles must not.
+                Kind::Leaf(first) => {
+                    self.check_leaf(first, &next.bounds.intersection(self.layout.bounds))?;
+                }
             }
         }
         self.check_totals()
@@ -114,9 +117,10 @@ impl<'a> Validation<'a> {
     ) -> Result<(), ValidationError> {
         let content = Content::Node(index);
         let count = self.layout.nodes.len();
-        let Some(node) = self.layout.nodes.get(index) else {
+        if index >= count {
             return Err(ValidationError::OutOfRange { content, count });
-        };
+        }
+        let node = self.layout.nodes.at(index);
         if std::mem::replace(&mut self.node_reached[index], true) {
             return Err(ValidationError::ReachedTwice { content });
         }

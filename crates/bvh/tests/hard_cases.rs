@@ -1,6 +1,6 @@
 //! The hard cases, asked of trees by every kind of build.
 
-use tahko_bvh::{BuildMethod, Bvh, BvhOptions};
+use tahko_bvh::{BuildMethod, Bvh, BvhOptions, NodeFormat};
 use tahko_geometry::simd::SimdLevel;
 use tahko_geometry::test_support::hard_cases::{
     Structure, check_cost_of_a_stadium, check_many_duplicates, nested_triangles, stacked_triangles,
@@ -23,7 +23,8 @@ fn at_all_levels(name: &str, options: &BvhOptions) -> impl Iterator<Item = Struc
         })
 }
 
-fn structures() -> Vec<Structure> {
+/// Trees with nodes in f32.
+fn full() -> Vec<Structure> {
     let all = [
         ("balanced", BvhOptions::balanced()),
         ("high quality", BvhOptions::high_quality()),
@@ -49,6 +50,25 @@ fn structures() -> Vec<Structure> {
         .collect()
 }
 
+/// Trees with quantised nodes: as they are used, and as many nodes as can be.
+fn quantised() -> Vec<Structure> {
+    let single = BvhOptions::high_quality().with_max_leaf_size(1);
+    let all = [
+        ("quantised", BvhOptions::balanced()),
+        ("quantised, single triangles", single),
+    ];
+    let all = all.map(|(name, options)| (name, options.with_node_format(NodeFormat::Quantised)));
+    all.iter()
+        .flat_map(|(name, options)| at_all_levels(name, options))
+        .collect()
+}
+
+fn structures() -> Vec<Structure> {
+    let mut structures = full();
+    structures.extend(quantised());
+    structures
+}
+
 hard_case_tests!(structures);
 
 #[test]
@@ -58,7 +78,9 @@ fn a_hundred_thousand_duplicates_are_told_apart() {
 
 #[test]
 fn a_large_floor_does_not_make_a_small_object_dear() {
-    check_cost_of_a_stadium(&structures());
+    // Where the object's parts are children of a node with the floor they have boxes as large as a step of the floor's grid, and all are visited: quantised nodes
+    // do not promise this.
+    check_cost_of_a_stadium(&full());
 }
 
 #[test]

@@ -4,7 +4,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use tahko_bvh::{Bvh, BvhOptions};
+use tahko_bvh::{Bvh, BvhOptions, NodeFormat};
 use tahko_geometry::{TriangleMesh, glam::Vec3};
 
 struct Counting;
@@ -71,6 +71,7 @@ fn the_estimate_is_not_below_what_is_allocated_and_not_far_above() {
             BvhOptions::fast(),
             BvhOptions::balanced(),
             BvhOptions::high_quality(),
+            BvhOptions::fast().with_node_format(NodeFormat::Quantised),
         ] {
             for leaf_size in [1, 4, 8] {
                 let options = preset.clone().with_max_leaf_size(leaf_size);

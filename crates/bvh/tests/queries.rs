@@ -1,7 +1,7 @@
 //! Queries answer like brute force, bit for bit.
 
 use proptest::prelude::*;
-use tahko_bvh::{Bvh, BvhOptions};
+use tahko_bvh::{Bvh, BvhOptions, NodeFormat};
 use tahko_geometry::simd::SimdLevel;
 use tahko_geometry::test_support::hard_cases::nested_triangles;
 use tahko_geometry::test_support::{
@@ -48,6 +48,12 @@ fn all_options() -> Vec<(&'static str, BvhOptions)> {
     ]
 }
 
+/// The same options with every format of nodes.
+fn in_all_formats(options: &BvhOptions) -> impl Iterator<Item = BvhOptions> + '_ {
+    let formats = NodeFormat::ALL.into_iter();
+    formats.map(|format| options.clone().with_node_format(format))
+}
+
 /// The tree at every level of instructions that this processor has.
 fn at_all_levels(bvh: &Bvh) -> impl Iterator<Item = (SimdLevel, Bvh)> + '_ {
     let levels = SimdLevel::ALL.into_iter();
@@ -58,12 +64,12 @@ fn check(name: &str, mesh: &TriangleMesh, rays: &[Ray]) {
     for precision in Precision::ALL {
         let answers = BruteForceAnswers::new(mesh, precision, rays);
         for (options_name, options) in all_options() {
-            let bvh =
-                Bvh::build(mesh, &options.with_precision(precision)).expect("options in range");
-            assert_eq!(bvh.validate(), Ok(()), "{name}, {options_name}");
-            for (level, bvh) in at_all_levels(&bvh) {
-                answers.assert_equal((name, options_name, level), &bvh);
-            }
+            check_options(
+                (name, options_name),
+                mesh,
+                &answers,
+                &options.with_precision(precision),
+            );
         }
     }
 }
@@ -75,12 +81,24 @@ fn check_one(
     (options_name, options): &(&'static str, BvhOptions),
 ) {
     for precision in Precision::ALL {
-        let options = options.clone().with_precision(precision);
-        let bvh = Bvh::build(mesh, &options).expect("options in range");
-        assert_eq!(bvh.validate(), Ok(()), "{name}, {options_name}");
         let answers = BruteForceAnswers::new(mesh, precision, rays);
+        let options = options.clone().with_precision(precision);
+        check_options((name, options_name), mesh, &answers, &options);
+    }
+}
+
+fn check_options(
+    names: (&str, &str),
+    mesh: &TriangleMesh,
+    answers: &BruteForceAnswers<'_>,
+    options: &BvhOptions,
+) {
+    for options in in_all_formats(options) {
+        let format = options.node_format;
+        let bvh = Bvh::build(mesh, &options).expect("options in range");
+        assert_eq!(bvh.validate(), Ok(()), "{names:?}, {format:?}");
         for (level, bvh) in at_all_levels(&bvh) {
-            answers.assert_equal((name, options_name, level), &bvh);
+            answers.assert_equal((names, format, level), &bvh);
         }
     }
 }

@@ -48,8 +48,8 @@ impl BvhOptions {
         } else {
             0
         };
-        let layout =
-            number_bytes + node_bytes + layout_bytes(references, nodes, self.max_leaf_size);
+        let layout = layout_bytes(references, nodes, self.max_leaf_size, self.node_format);
+        let layout = number_bytes + node_bytes + layout;
         build.max(reinsertion).max(layout) + SMALL
     }
 }

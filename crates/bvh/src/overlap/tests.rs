@@ -3,8 +3,7 @@ use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
 use tahko_geometry::{Plane, Polygon, Split, Triangle, TriangleBlock, TriangleMesh};
 
 use super::*;
-use crate::BvhOptions;
-use crate::wide::WideNode;
+use crate::{BvhOptions, NodeFormat};
 
 /// Leaves of one triangle where the costs allow, and costs that are told apart.
 fn options() -> BvhOptions {
@@ -29,7 +28,8 @@ fn by_definition(layout: &WideBvh, inner_node_cost: f64) -> f64 {
         .collect();
     let total: f64 = triangles.iter().map(Triangle::area).sum();
     let root = (layout.root != Child::NOTHING).then_some((layout.bounds, layout.root));
-    let others = layout.nodes.iter().flat_map(WideNode::children);
+    let others = layout.nodes.iter();
+    let others = others.flat_map(|node| node.children().collect::<Vec<_>>());
     let mut sum = 0.0;
     for (bounds, child) in root.into_iter().chain(others) {
         let mut below = Vec::new();
@@ -53,7 +53,7 @@ fn by_definition(layout: &WideBvh, inner_node_cost: f64) -> f64 {
 fn list_below(layout: &WideBvh, child: Child, numbers: &mut Vec<u32>) {
     match child.kind() {
         Kind::Inner(node) => {
-            for (_, child) in layout.nodes[node].children() {
+            for (_, child) in layout.nodes.at(node).children() {
                 list_below(layout, child, numbers);
             }
         }
@@ -93,7 +93,9 @@ proptest! {
 }
 
 fn assert_overlap_of_the_definition(mesh: &TriangleMesh) {
-    for options in [options(), BvhOptions::fast().with_max_leaf_size(1)] {
+    let single = BvhOptions::fast().with_max_leaf_size(1);
+    let quantised = options().with_node_format(NodeFormat::Quantised);
+    for options in [options(), single, quantised] {
         let bvh = build(mesh, &options);
         let found = bvh.end_point_overlap();
         let expected = by_definition(bvh.layout(), bvh.inner_node_cost());

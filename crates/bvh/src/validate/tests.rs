@@ -3,8 +3,8 @@ use tahko_geometry::test_support::soup;
 use tahko_geometry::{Triangle, TriangleBlock, TriangleMesh};
 
 use super::*;
-use crate::BvhOptions;
 use crate::wide::WideNode;
+use crate::{BvhOptions, NodeFormat};
 
 /// Separate triangles in a row, one per leaf.
 fn mesh(count: u8) -> TriangleMesh {
@@ -15,8 +15,9 @@ fn mesh(count: u8) -> TriangleMesh {
     soup(triangles.collect())
 }
 
-fn layout(count: u8) -> WideBvh {
+fn layout(count: u8, format: NodeFormat) -> WideBvh {
     let options = BvhOptions::default()
+        .with_node_format(format)
         .with_max_leaf_size(1)
         .with_costs(0.1, 1.0);
     let bvh = Bvh::build(&mesh(count), &options).expect("options in range");
@@ -24,8 +25,8 @@ fn layout(count: u8) -> WideBvh {
 }
 
 /// A tree of a root with four leaves: blocks 1 to 4.
-fn small() -> WideBvh {
-    let layout = layout(4);
+fn small(format: NodeFormat) -> WideBvh {
+    let layout = layout(4, format);
     assert_eq!((layout.nodes.len(), layout.blocks.len()), (1, 5));
     layout
 }
@@ -34,16 +35,27 @@ fn validate(layout: &WideBvh) -> Result<(), ValidationError> {
     Validation::new(layout).run()
 }
 
-fn fault(break_it: impl FnOnce(&mut WideBvh)) -> ValidationError {
-    let mut layout = small();
+/// What is found in a tree of a format that is broken in some way.
+fn fault_of(format: NodeFormat, break_it: impl FnOnce(&mut WideBvh)) -> ValidationError {
+    let mut layout = small(format);
     break_it(&mut layout);
     validate(&layout).expect_err("the tree is broken")
 }
 
-fn set(node: &mut WideNode, lane: usize, change: impl FnOnce(&mut Aabb, &mut Child)) {
-    let (mut bounds, mut child) = node.children().nth(lane).expect("the lane is used");
-    change(&mut bounds, &mut child);
-    node.set(lane, &bounds, child);
+/// What is found in a tree that is broken in some way, whatever its format.
+fn fault(break_it: impl Fn(&mut WideBvh)) -> ValidationError {
+    let [full, quantised] = NodeFormat::ALL.map(|format| fault_of(format, &break_it));
+    assert_eq!(full, quantised);
+    full
+}
+
+/// Changes a child of the root.
+fn change_child(tree: &mut WideBvh, lane: usize, change: impl FnOnce(&mut Aabb, &mut Child)) {
+    tree.nodes.change(0, |node| {
+        let (mut bounds, mut child) = node.children().nth(lane).expect("the lane is used");
+        change(&mut bounds, &mut child);
+        node.set(lane, &bounds, child);
+    });
 }
 
 /// The block of one triangle.
@@ -53,8 +65,14 @@ fn block(number: u32, triangle: Triangle) -> TriangleBlock {
 
 #[test]
 fn trees_as_built_are_well_formed() {
-    for count in [0, 1, 4, 60] {
-        assert_eq!(validate(&layout(count)), Ok(()), "{count} triangles");
+    for format in NodeFormat::ALL {
+        for count in [0, 1, 4, 60] {
+            assert_eq!(
+                validate(&layout(count, format)),
+                Ok(()),
+                "{count} triangles"
+            );
+        }
     }
 }
 
@@ -93,7 +111,8 @@ fn nodes_and_blocks_out_of_range_are_found() {
 fn a_loop_is_found_and_ends() {
     let error = fault(|tree| {
         let bounds = tree.bounds;
-        tree.nodes[0].set(3, &bounds, Child::inner(0));
+        tree.nodes
+            .change(0, |node| node.set(3, &bounds, Child::inner(0)));
     });
     let content = Content::Node(0);
     assert_eq!(error, ValidationError::ReachedTwice { content });
@@ -103,8 +122,8 @@ fn a_loop_is_found_and_ends() {
 fn a_leaf_of_two_nodes_is_found() {
     let error = fault(|tree| {
         let bounds = tree.bounds;
-        let (_, first) = tree.nodes[0].children().next().expect("four children");
-        tree.nodes[0].set(4, &bounds, first);
+        let (_, first) = tree.nodes.at(0).children().next().expect("four children");
+        tree.nodes.change(0, |node| node.set(4, &bounds, first));
     });
     assert!(
         matches!(error, ValidationError::ReachedTwice { content } if content != Content::Node(0)),
@@ -114,7 +133,7 @@ fn a_leaf_of_two_nodes_is_found() {
 
 #[test]
 fn nodes_and_blocks_that_nothing_reaches_are_found() {
-    let error = fault(|tree| tree.nodes.push(tree.nodes[0]));
+    let error = fault(|tree| tree.nodes.push_copy(0));
     let content = Content::Node(1);
     assert_eq!(error, ValidationError::NotReached { content });
     let error = fault(|tree| tree.blocks.push(tree.blocks[1]));
@@ -130,20 +149,23 @@ fn a_leaf_without_triangles_is_found() {
 
 #[test]
 fn a_box_that_is_too_small_is_found() {
-    let error = fault(|tree| tree.bounds.max *= 0.5);
+    let error = fault_of(NodeFormat::Full, |tree| tree.bounds.max *= 0.5);
     assert!(
         matches!(error, ValidationError::NotEnclosed { node: 0, .. }),
         "{error}"
     );
+    // Boxes that are rounded outward may be larger than the bounds; triangles are seen not to be inside.
+    let error = fault_of(NodeFormat::Quantised, |tree| tree.bounds.max *= 0.5);
+    assert!(matches!(error, ValidationError::NotMet { .. }), "{error}");
     let error = fault(|tree| {
-        set(&mut tree.nodes[0], 0, |bounds, _| bounds.max.x -= 0.5);
+        change_child(tree, 0, |bounds, _| bounds.max.x -= 0.5);
     });
     assert!(
         matches!(error, ValidationError::NotCovered { corner: 1, .. }),
         "{error}"
     );
     let error = fault(|tree| {
-        set(&mut tree.nodes[0], 0, |bounds, _| {
+        change_child(tree, 0, |bounds, _| {
             bounds.min.y = 2.0;
             bounds.max.y = 1.0;
         });
@@ -197,11 +219,13 @@ fn a_triangle_that_is_lost_or_listed_twice_or_unknown_is_found() {
 
 /// A root with two leaves that both list one triangle, each with a box of a part of it.
 fn split_triangle([first, second]: [Aabb; 2]) -> WideBvh {
-    let mut layout = small();
+    let mut layout = small(NodeFormat::Full);
     let triangle = Triangle::new(Vec3::ZERO, Vec3::X * 4.0, Vec3::new(1.0, 1.0, 0.0));
-    layout.nodes[0] = WideNode::EMPTY;
-    layout.nodes[0].set(0, &first, Child::leaf(1));
-    layout.nodes[0].set(1, &second, Child::leaf(2));
+    layout.nodes.change(0, |node| {
+        *node = WideNode::EMPTY;
+        node.set(0, &first, Child::leaf(1));
+        node.set(1, &second, Child::leaf(2));
+    });
     layout.bounds = triangle.aabb();
     layout.blocks.truncate(1);
     layout.blocks.extend([block(0, triangle); 2]);

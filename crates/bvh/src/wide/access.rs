@@ -5,24 +5,101 @@
 )]
 
 use tahko_geometry::TriangleBlock;
+use tahko_geometry::simd::Simd;
 
-use super::{WideBvh, WideNode};
+use super::node::Node;
+use super::nodes::Nodes;
+use super::quantised::QuantisedNode;
+use super::{Child, WideBvh, WideNode};
+
+/// A layout as searches read it, with the format of its nodes known when they are compiled.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct View<'a, N> {
+    pub(super) root: Child,
+    /// What rays are prepared for, as [`WideBvh::size`].
+    pub(super) size: f32,
+    /// Invariant: of one layout.
+    nodes: &'a [N],
+    blocks: &'a [TriangleBlock],
+}
+
+/// Half of what is asked for of a leaf before it is needed, in bytes.
+const HALF: usize = 128;
+
+/// A view for each format of nodes.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum AnyView<'a> {
+    Full(View<'a, WideNode>),
+    Quantised(View<'a, QuantisedNode>),
+}
+
+/// Compiles a search for every format of nodes and runs the one that the layout has.
+macro_rules! with_view {
+    ($layout:expr, $view:ident => $search:expr) => {
+        match $layout.view() {
+            $crate::wide::access::AnyView::Full($view) => $search,
+            $crate::wide::access::AnyView::Quantised($view) => $search,
+        }
+    };
+}
+pub(super) use with_view;
 
 impl WideBvh {
+    #[inline(always)]
+    pub(super) fn view(&self) -> AnyView<'_> {
+        match &self.nodes {
+            Nodes::Full(nodes) => AnyView::Full(self.view_of(nodes)),
+            Nodes::Quantised(nodes) => AnyView::Quantised(self.view_of(nodes)),
+        }
+    }
+
+    #[inline(always)]
+    fn view_of<'a, N>(&'a self, nodes: &'a [N]) -> View<'a, N> {
+        View {
+            root: self.root,
+            size: self.size,
+            nodes,
+            blocks: &self.blocks,
+        }
+    }
+}
+
+impl<'a, N: Node> View<'a, N> {
     /// The node that a child stands for.
     #[inline(always)]
-    pub(super) fn node(&self, index: usize) -> &WideNode {
+    pub(super) fn node(self, index: usize) -> &'a N {
         debug_assert!(index < self.nodes.len(), "child out of range");
         // SAFETY: `emit` alone makes layouts. It gives a child the index of a node that it adds later, or of a block that it has added, and nothing
-        // changes them after it.
+        // changes them after it. A view has the nodes and the blocks of one layout.
         unsafe { self.nodes.get_unchecked(index) }
     }
 
     /// The blocks from the first one of a leaf on.
     #[inline(always)]
-    pub(super) fn blocks_from(&self, index: usize) -> &[TriangleBlock] {
+    pub(super) fn blocks_from(self, index: usize) -> &'a [TriangleBlock] {
         debug_assert!(index < self.blocks.len(), "leaf out of range");
         // SAFETY: as above.
         unsafe { self.blocks.get_unchecked(index..) }
+    }
+
+    /// Memory of nodes and triangles, in bytes.
+    pub(super) fn bytes(self) -> usize {
+        size_of_val(self.nodes) + size_of_val(self.blocks)
+    }
+
+    /// Asks for the memory of a child that is soon needed.
+    #[inline(always)]
+    pub(super) fn prefetch<S: Simd>(self, simd: S, child: Child) {
+        let index = child.index();
+        let node = self.nodes.as_ptr().wrapping_add(index).cast::<u8>();
+        let block = self.blocks.as_ptr().wrapping_add(index).cast::<u8>();
+        // Choices between addresses, not branches. What is shorter than four lines asks for its two lines twice.
+        let (place, rest) = if child.is_leaf() {
+            (block, HALF)
+        } else {
+            (node, N::PREFETCHED - HALF)
+        };
+        simd.prefetch(place, HALF);
+        simd.prefetch(place.wrapping_add(rest), HALF);
     }
 }

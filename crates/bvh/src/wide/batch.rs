@@ -14,13 +14,15 @@ use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{Simd, WithSimd};
 use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
 
+use super::access::View;
 use super::leaf::Leaf;
+use super::node::Node;
 use super::order::nearest_child;
 use super::packets::Packets;
 use super::slabs::{SlabConstants, Slabs};
 use super::stack::Stack;
 use super::traverse::Search;
-use super::{Child, Kind, WideBvh};
+use super::{Child, Kind};
 
 /// Rays that a thread has in flight.
 const IN_FLIGHT: usize = 8;
@@ -30,14 +32,14 @@ const IN_FLIGHT: usize = 8;
 const CACHED: usize = 8 << 20;
 
 /// The searches of many rays.
-pub(super) struct Batch<'a, K: TriangleKernel, H: HitCollector> {
-    pub(super) bvh: &'a WideBvh,
+pub(super) struct Batch<'a, K: TriangleKernel, H: HitCollector, N> {
+    pub(super) bvh: View<'a, N>,
     pub(super) rays: &'a [Ray],
     pub(super) answers: &'a mut [H::Answer],
     pub(super) kernel: PhantomData<K>,
 }
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for Batch<'_, K, H> {
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Batch<'_, K, H, N> {
     type Output = ();
 
     #[inline(always)]
@@ -69,9 +71,9 @@ fn are_coherent(rays: &[Ray], size: f32) -> bool {
 }
 
 /// One ray after the other.
-struct OneByOne<'a, K: TriangleKernel, H: HitCollector>(Batch<'a, K, H>);
+struct OneByOne<'a, K: TriangleKernel, H: HitCollector, N>(Batch<'a, K, H, N>);
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for OneByOne<'_, K, H> {
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for OneByOne<'_, K, H, N> {
     type Output = ();
 
     #[inline(always)]
@@ -80,23 +82,23 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for OneByOne<'_, K, H> {
             bvh, rays, answers, ..
         } = self.0;
         for (ray, answer) in rays.iter().zip(answers) {
-            *answer = search_one::<S, K, H>(simd, bvh, ray);
+            *answer = search_one::<S, K, H, N>(simd, bvh, ray);
         }
     }
 }
 
 /// The search of a ray; one that is not valid hits nothing.
 #[inline(always)]
-pub(super) fn search_one<S: Simd, K: TriangleKernel, H: HitCollector>(
+pub(super) fn search_one<S: Simd, K: TriangleKernel, H: HitCollector, N: Node>(
     simd: S,
-    bvh: &WideBvh,
+    bvh: View<'_, N>,
     ray: &Ray,
 ) -> H::Answer {
     let mut collector = H::new(ray);
     if !ray.is_valid() {
         return collector.finish::<K, ()>(ray, &mut ());
     }
-    let search = Search::<K, H, ()> {
+    let search = Search::<K, H, (), N> {
         bvh,
         ray,
         kernel: PhantomData,
@@ -107,7 +109,7 @@ pub(super) fn search_one<S: Simd, K: TriangleKernel, H: HitCollector>(
 }
 
 /// Several rays in flight.
-struct Turns<'a, K: TriangleKernel, H: HitCollector>(Batch<'a, K, H>);
+struct Turns<'a, K: TriangleKernel, H: HitCollector, N>(Batch<'a, K, H, N>);
 
 /// A ray on its way.
 struct Flight<'a, K: TriangleKernel, H> {
@@ -123,7 +125,7 @@ struct Flight<'a, K: TriangleKernel, H> {
     stack: Stack<'a>,
 }
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for Turns<'_, K, H> {
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Turns<'_, K, H, N> {
     type Output = ();
 
     #[inline(always)]
@@ -177,7 +179,7 @@ fn next_valid<'a, K: TriangleKernel, H: HitCollector>(
 
 impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
     #[inline(always)]
-    fn new(bvh: &WideBvh, index: usize, ray: &'a Ray, mut stack: Stack<'a>) -> Self {
+    fn new<N: Node>(bvh: View<'_, N>, index: usize, ray: &'a Ray, mut stack: Stack<'a>) -> Self {
         let fused = FusedRay::new(ray, bvh.size, K::REACH);
         stack.clear();
         Self {
@@ -194,7 +196,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
 
     /// Gives the place of a ray that is done to another one.
     #[inline(always)]
-    fn start(&mut self, bvh: &WideBvh, index: usize, ray: &'a Ray) {
+    fn start<N: Node>(&mut self, bvh: View<'_, N>, index: usize, ray: &'a Ray) {
         self.index = index;
         self.ray = ray;
         self.fused = FusedRay::new(ray, bvh.size, K::REACH);
@@ -207,7 +209,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
 
     /// Visits one node or leaf. `Break` at the end of the search.
     #[inline(always)]
-    fn step<S: Simd>(&mut self, simd: S, bvh: &WideBvh) -> ControlFlow<()> {
+    fn step<S: Simd, N: Node>(&mut self, simd: S, bvh: View<'_, N>) -> ControlFlow<()> {
         let nearest = match self.child.kind() {
             Kind::Inner(index) => {
                 let node = bvh.node(index);
@@ -217,7 +219,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
                 if hits == 0 {
                     self.stack.pop_before::<H>(self.t_max)
                 } else {
-                    Some(nearest_child::<S, H>(
+                    Some(nearest_child::<S, H, N>(
                         bvh,
                         simd,
                         node,

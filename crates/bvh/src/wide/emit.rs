@@ -10,13 +10,19 @@ use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
 use super::choice::Choice;
 use super::collapse::{Collapse, Root};
-use super::{Child, WideBvh, WideNode};
+use super::{Child, Nodes, WideBvh, WideNode};
+use crate::NodeFormat;
 use crate::build::{BinaryTree, Link};
 use crate::filling::{Filling, Part};
 use crate::parallel::{for_each, map};
 
 /// The layout of a tree. Cost: O(n).
-pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse<'_>, mesh: &TriangleMesh) -> WideBvh {
+pub(super) fn emit(
+    tree: &BinaryTree,
+    collapse: &Collapse<'_>,
+    mesh: &TriangleMesh,
+    format: NodeFormat,
+) -> WideBvh {
     let emitter = Emitter {
         tree,
         collapse,
@@ -32,15 +38,17 @@ pub(super) fn emit(tree: &BinaryTree, collapse: &Collapse<'_>, mesh: &TriangleMe
     whole.blocks.push_last(TriangleBlock::EMPTY);
     drop(whole);
     let root = root.map_or(Child::NOTHING, |root| emitter.write(root, &plan, below));
-    WideBvh {
+    let mut layout = WideBvh {
         root,
         bounds,
-        size: root_size(&bounds),
-        nodes: nodes.finish(),
+        size: 0.0,
+        nodes: Nodes::new(nodes.finish(), format),
         blocks: blocks.finish(),
         depth: plan.extent.depth,
         triangle_count: mesh.len(),
-    }
+    };
+    layout.size = root_size(&layout.outer_bounds());
+    layout
 }
 
 /// The largest magnitude of a coordinate; 0 for a box without points.

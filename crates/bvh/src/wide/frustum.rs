@@ -3,7 +3,7 @@
 use tahko_geometry::PacketBounds;
 use tahko_geometry::simd::{Lanes, Simd};
 
-use super::WideNode;
+use super::node::Node;
 
 /// What bounds the rays of a packet.
 pub(super) struct Frustum<S: Simd> {
@@ -37,34 +37,35 @@ impl<S: Simd> Frustum<S> {
 
     /// Numbers that no ray enters the boxes before, and a bit for each box that one of them may meet up to `t_max`.
     #[inline(always)]
-    pub(super) fn clip(&self, node: &WideNode, t_max: f32) -> (Lanes, u32) {
+    pub(super) fn clip<N: Node>(&self, node: &N, t_max: f32) -> (Lanes, u32) {
         let simd = self.simd;
-        let near = |axis: usize| {
-            let [a, b] = self.places(node, axis, 0);
+        let planes = |axis: usize| node.planes(simd, axis, self.negative[axis]);
+        let [x, y, z] = [planes(0), planes(1), planes(2)];
+        let near = |planes: S::F32s, axis: usize| {
+            let [a, b] = self.places(planes, axis, 0);
             simd.min(a, b)
         };
-        let far = |axis: usize| {
-            let [a, b] = self.places(node, axis, 1);
+        let far = |planes: S::F32s, axis: usize| {
+            let [a, b] = self.places(planes, axis, 1);
             simd.max(a, b)
         };
         // As for a single ray: what is NaN is dropped.
         let start = simd.max(
-            simd.max(near(0), near(1)),
-            simd.max(near(2), simd.splat(0.0)),
+            simd.max(near(x[0], 0), near(y[0], 1)),
+            simd.max(near(z[0], 2), simd.splat(0.0)),
         );
         let end = simd.min(
-            simd.min(far(0), far(1)),
-            simd.min(far(2), simd.splat(t_max)),
+            simd.min(far(x[1], 0), far(y[1], 1)),
+            simd.min(far(z[1], 2), simd.splat(t_max)),
         );
         (simd.store(start), simd.bits(simd.le(start, end)))
     }
 
     /// Where the planes of a side are met with the smallest and with the largest reciprocal.
     #[inline(always)]
-    fn places(&self, node: &WideNode, axis: usize, side: usize) -> [S::F32s; 2] {
+    fn places(&self, planes: S::F32s, axis: usize, side: usize) -> [S::F32s; 2] {
         let simd = self.simd;
-        let planes = &node.bounds[axis][side ^ usize::from(self.negative[axis])];
-        let distance = simd.sub(simd.load(planes), self.origins[axis][side]);
+        let distance = simd.sub(planes, self.origins[axis][side]);
         let [smallest, largest] = self.reciprocals[axis][side];
         [simd.mul(distance, smallest), simd.mul(distance, largest)]
     }

@@ -8,22 +8,25 @@ mod emit;
 mod frustum;
 mod leaf;
 mod node;
+mod nodes;
 mod order;
 mod packet;
 mod packets;
+mod quantised;
 mod slabs;
 mod stack;
 mod traverse;
 
-use tahko_geometry::simd::Simd;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
 
 use crate::build::BinaryTree;
-use crate::{BuildControl, BuildError};
+use crate::{BuildControl, BuildError, NodeFormat};
 
 use self::collapse::Collapse;
 pub(crate) use self::collapse::Costs;
 pub(crate) use self::node::{Child, Kind, WideNode};
+pub(crate) use self::nodes::Nodes;
+use self::quantised::QuantisedNode;
 
 /// Nodes and triangles as queries read them.
 ///
@@ -34,9 +37,9 @@ pub(crate) struct WideBvh {
     /// Nothing for a tree over no triangles.
     pub(crate) root: Child,
     pub(crate) bounds: Aabb,
-    /// The largest magnitude of a coordinate of the bounds.
+    /// The largest magnitude of a coordinate of the bounds and of all boxes.
     pub(crate) size: f32,
-    pub(crate) nodes: Vec<WideNode>,
+    pub(crate) nodes: Nodes,
     pub(crate) blocks: Vec<TriangleBlock>,
     /// Nodes on the longest way from the root to a leaf, both included.
     pub(crate) depth: usize,
@@ -63,7 +66,12 @@ impl PartialEq for WideBvh {
 
 /// What the layout of a binary tree takes while it is made and afterwards, in bytes: the choices for all subtrees, lists of children,
 /// and blocks and nodes, if leaves hold three triangles or more where they may.
-pub(crate) const fn layout_bytes(references: u64, nodes: u64, max_leaf_size: usize) -> u64 {
+pub(crate) const fn layout_bytes(
+    references: u64,
+    nodes: u64,
+    max_leaf_size: usize,
+    format: NodeFormat,
+) -> u64 {
     let fill = if max_leaf_size < 3 {
         max_leaf_size as u64
     } else {
@@ -73,9 +81,14 @@ pub(crate) const fn layout_bytes(references: u64, nodes: u64, max_leaf_size: usi
     let wide_nodes = blocks.div_ceil(3);
     // Lists of children grow to twice their length at most; tasks have a thousand references at least.
     let plans = 8 * (blocks + wide_nodes) + references / 8;
+    // Quantised nodes are made of the others.
+    let node_bytes = match format {
+        NodeFormat::Full => size_of::<WideNode>(),
+        NodeFormat::Quantised => size_of::<WideNode>() + size_of::<QuantisedNode>(),
+    };
     nodes * Collapse::BYTES_PER_NODE
         + plans
-        + wide_nodes * size_of::<WideNode>() as u64
+        + wide_nodes * node_bytes as u64
         + blocks * size_of::<TriangleBlock>() as u64
 }
 
@@ -93,18 +106,17 @@ impl WideBvh {
 
     /// Memory of nodes and triangles, in bytes.
     pub(crate) fn bytes(&self) -> usize {
-        size_of_val(&*self.nodes) + size_of_val(&*self.blocks)
+        self.nodes.bytes() + size_of_val(&*self.blocks)
     }
 
-    /// Asks for the memory of a child that is soon needed.
-    #[inline(always)]
-    pub(crate) fn prefetch<S: Simd>(&self, simd: S, child: Child) {
-        let index = child.index();
-        let node = self.nodes.as_ptr().wrapping_add(index).cast::<u8>();
-        let block = self.blocks.as_ptr().wrapping_add(index).cast::<u8>();
-        // A choice between addresses, not a branch.
-        let place = if child.is_leaf() { block } else { node };
-        simd.prefetch(place, size_of::<WideNode>());
+    /// The box that all boxes lie in: larger than the bounds where boxes are rounded outward.
+    pub(crate) fn outer_bounds(&self) -> Aabb {
+        match (&self.nodes, self.root.kind()) {
+            (Nodes::Quantised(nodes), Kind::Inner(root)) if root < nodes.len() => {
+                self.bounds.union(self.nodes.at(root).outer_bounds())
+            }
+            _ => self.bounds,
+        }
     }
 
     /// The triangles of a leaf.
@@ -122,11 +134,12 @@ impl WideBvh {
         tree: &BinaryTree,
         mesh: &TriangleMesh,
         costs: &Costs,
+        format: NodeFormat,
         control: &BuildControl,
     ) -> Result<Self, BuildError> {
         let collapse = Collapse::new(tree, costs);
         control.check()?;
-        let layout = emit::emit(tree, &collapse, mesh);
+        let layout = emit::emit(tree, &collapse, mesh, format);
         control.check()?;
         Ok(layout)
     }

@@ -2,7 +2,23 @@
 
 use tahko_geometry::Aabb;
 use tahko_geometry::glam::Vec3;
-use tahko_geometry::simd::{LANES, Lanes};
+use tahko_geometry::simd::{LANES, Lanes, Simd};
+
+/// What searches read of a node, whatever its format.
+pub(crate) trait Node: Copy {
+    /// The cache lines that a node lies in, two or four, in bytes.
+    const PREFETCHED: usize;
+
+    /// Where the children are; nothing for lanes that are not used.
+    fn lanes(&self) -> &[Child; LANES];
+
+    /// The planes of the children's boxes across an axis: those with the smallest coordinates and those with the largest; the other way round for a ray that
+    /// goes in the negative direction, so that those come first which it meets first.
+    fn planes<S: Simd>(&self, simd: S, axis: usize, is_negative: bool) -> [S::F32s; 2];
+
+    /// The same boxes and children as 32-bit numbers.
+    fn decoded(&self) -> WideNode;
+}
 
 /// The boxes of up to eight children and where they are: 256 bytes, four cache lines.
 ///
@@ -85,6 +101,27 @@ fn to_u32(index: usize) -> u32 {
     index as u32
 }
 
+impl Node for WideNode {
+    const PREFETCHED: usize = size_of::<Self>();
+
+    #[inline(always)]
+    fn lanes(&self) -> &[Child; LANES] {
+        &self.children
+    }
+
+    #[inline(always)]
+    fn planes<S: Simd>(&self, simd: S, axis: usize, is_negative: bool) -> [S::F32s; 2] {
+        let [first, second] = [is_negative, !is_negative].map(usize::from);
+        let planes = &self.bounds[axis];
+        [simd.load(&planes[first]), simd.load(&planes[second])]
+    }
+
+    #[inline(always)]
+    fn decoded(&self) -> WideNode {
+        *self
+    }
+}
+
 impl WideNode {
     /// A node without children.
     pub(crate) const EMPTY: Self = Self {
@@ -104,6 +141,12 @@ impl WideNode {
     pub(crate) fn children(&self) -> impl Iterator<Item = (Aabb, Child)> + '_ {
         let used = (0..LANES).filter(|lane| self.children[*lane] != Child::NOTHING);
         used.map(|lane| (self.child_bounds(lane), self.children[lane]))
+    }
+
+    /// The smallest box around those of the children.
+    pub(crate) fn outer_bounds(&self) -> Aabb {
+        let boxes = self.children().map(|(bounds, _)| bounds);
+        boxes.fold(Aabb::EMPTY, Aabb::union)
     }
 
     fn child_bounds(&self, lane: usize) -> Aabb {

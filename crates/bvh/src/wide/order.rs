@@ -3,31 +3,34 @@
 use tahko_geometry::HitCollector;
 use tahko_geometry::simd::{LANES, Simd};
 
+use super::Child;
+use super::access::View;
+use super::node::Node;
 use super::stack::{Entry, Stack};
-use super::{Child, WideBvh, WideNode};
 
 /// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first.
 #[inline(always)]
-pub(super) fn nearest_child<S: Simd, H: HitCollector>(
-    bvh: &WideBvh,
+pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node>(
+    bvh: View<'_, N>,
     simd: S,
-    node: &WideNode,
+    node: &N,
     start: S::F32s,
     hits: u32,
     stack: &mut Stack<'_>,
 ) -> Child {
+    let children = node.lanes();
     let lane = |bits: u32| bits.trailing_zeros() as usize % LANES;
     let first = lane(hits);
     let rest = hits & (hits - 1);
     if rest == 0 {
-        return node.children[first];
+        return children[first];
     }
     if !H::ORDERED {
-        stack.push_all(rest, &node.children);
-        return node.children[first];
+        stack.push_all(rest, children);
+        return children[first];
     }
     let starts = simd.store(start).0;
-    let entry = |lane: usize| Entry::new(node.children[lane], starts[lane]);
+    let entry = |lane: usize| Entry::new(children[lane], starts[lane]);
     let a = entry(first);
     let b = entry(lane(rest));
     let rest = rest & (rest - 1);

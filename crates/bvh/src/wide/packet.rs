@@ -12,11 +12,13 @@ use tahko_geometry::{
     FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes, TriangleKernel,
 };
 
+use super::access::View;
 use super::frustum::Frustum;
 use super::leaf::Leaf;
+use super::node::Node;
 use super::slabs::SlabConstants;
 use super::traverse::Way;
-use super::{Child, Kind, WideBvh, WideNode};
+use super::{Child, Kind, WideNode};
 
 /// Rays of a packet at most: one bit each.
 pub(super) const SIZE: usize = 64;
@@ -204,14 +206,14 @@ pub(super) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
 }
 
 /// The searches of the rays of a packet, of which there is at least one.
-pub(super) struct PacketSearch<'p, 'a, K, H> {
-    pub(super) bvh: &'p WideBvh,
+pub(super) struct PacketSearch<'p, 'a, K, H, N> {
+    pub(super) bvh: View<'p, N>,
     pub(super) packet: &'p mut Packet<'a, H>,
     pub(super) negative: u32,
     pub(super) kernel: PhantomData<K>,
 }
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for PacketSearch<'_, '_, K, H> {
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, '_, K, H, N> {
     type Output = ();
 
     #[inline(always)]
@@ -242,10 +244,10 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for PacketSearch<'_, '_, K, H>
                 } else {
                     let done = match child.kind() {
                         Kind::Inner(_) => packet.advance(rays, |member| {
-                            simd.outline(Alone::<K, H>(bvh, member, child, PhantomData))
+                            simd.outline(Alone::<K, H, N>(bvh, member, child, PhantomData))
                         }),
                         Kind::Leaf(first_block) => packet.advance(rays, |member| {
-                            simd.outline(LeafOf::<K, H>(bvh, member, first_block, PhantomData))
+                            simd.outline(LeafOf::<K, H, N>(bvh, member, first_block, PhantomData))
                         }),
                     };
                     searching &= !done;
@@ -261,18 +263,18 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for PacketSearch<'_, '_, K, H>
             if waiting.start > t_max {
                 continue;
             }
-            let node = bvh.node(waiting.node.index());
+            let node = bvh.node(waiting.node.index()).decoded();
             let lane = waiting.lane % LANES;
-            let rays = packet.clip(simd, node, lane, negative, waiting.rays & searching);
+            let rays = packet.clip(simd, &node, lane, negative, waiting.rays & searching);
             next = (rays != 0).then_some((node.children[lane], rays));
         }
     }
 }
 
 /// A ray's test of a leaf.
-struct LeafOf<'m, 'a, K, H>(&'m WideBvh, &'m mut Member<'a, H>, usize, PhantomData<K>);
+struct LeafOf<'m, 'a, K, H, N>(View<'m, N>, &'m mut Member<'a, H>, usize, PhantomData<K>);
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOf<'_, '_, K, H> {
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for LeafOf<'_, '_, K, H, N> {
     type Output = ControlFlow<()>;
 
     #[inline(always)]
@@ -291,16 +293,16 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOf<'_, '_, K, H> {
 }
 
 /// A ray's way through a subtree.
-struct Alone<'m, 'a, K, H>(&'m WideBvh, &'m mut Member<'a, H>, Child, PhantomData<K>);
+struct Alone<'m, 'a, K, H, N>(View<'m, N>, &'m mut Member<'a, H>, Child, PhantomData<K>);
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for Alone<'_, '_, K, H> {
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Alone<'_, '_, K, H, N> {
     type Output = ControlFlow<()>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
         let Self(bvh, member, child, _) = self;
         let fused = FusedRay::new(member.ray, bvh.size, K::REACH);
-        let way = Way::<K, H, ()> {
+        let way = Way::<K, H, (), N> {
             bvh,
             ray: member.ray,
             slabs: &SlabConstants::new(&fused, member.ray.t_min),

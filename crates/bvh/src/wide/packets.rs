@@ -7,15 +7,16 @@ use tahko_geometry::{HitCollector, Ray, TriangleKernel};
 
 use super::Child;
 use super::batch::{Batch, search_one};
+use super::node::Node;
 use super::packet::{Packet, PacketSearch, SIZE, bits};
 
 /// Rays at least for a packet; fewer are searched one by one.
 const FEWEST: u32 = 8;
 
 /// The searches of a batch, whose neighbours make up packets as far as they go into the same octant.
-pub(super) struct Packets<'a, K: TriangleKernel, H: HitCollector>(pub(super) Batch<'a, K, H>);
+pub(super) struct Packets<'a, K: TriangleKernel, H: HitCollector, N>(pub(super) Batch<'a, K, H, N>);
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for Packets<'_, K, H> {
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Packets<'_, K, H, N> {
     type Output = ();
 
     #[inline(always)]
@@ -41,7 +42,7 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for Packets<'_, K, H> {
                         for index in bits(members) {
                             packet.push(index, &rays[index]);
                         }
-                        simd.outline(PacketSearch::<K, H> {
+                        simd.outline(PacketSearch::<K, H, N> {
                             bvh,
                             packet: &mut packet,
                             negative: u32::from(negative),
@@ -54,7 +55,7 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for Packets<'_, K, H> {
                     }
                     _ => {
                         for index in bits(members) {
-                            answers[index] = search_one::<S, K, H>(simd, bvh, &rays[index]);
+                            answers[index] = search_one::<S, K, H, N>(simd, bvh, &rays[index]);
                         }
                     }
                 }

@@ -3,7 +3,7 @@
 use tahko_geometry::simd::Simd;
 use tahko_geometry::{FusedRay, FusedSlabs};
 
-use super::WideNode;
+use super::node::Node;
 
 /// What the boxes of nodes are tested with, in memory: single numbers, which a load puts into all lanes.
 #[derive(Clone, Copy)]
@@ -63,7 +63,7 @@ impl<S: Simd> Slabs<S> {
 
     /// Where the ray enters the boxes, and which of them it does not miss.
     #[inline(always)]
-    pub(super) fn clip(&self, node: &WideNode, t_max: S::F32s) -> (S::F32s, S::Mask) {
+    pub(super) fn clip<N: Node>(&self, node: &N, t_max: S::F32s) -> (S::F32s, S::Mask) {
         let simd = self.simd;
         let (near_x, far_x) = self.planes(node, 0);
         let (near_y, far_y) = self.planes(node, 1);
@@ -76,12 +76,8 @@ impl<S: Simd> Slabs<S> {
 
     /// Where the ray meets the planes across an axis: those that it meets first, and the others.
     #[inline(always)]
-    fn planes(&self, node: &WideNode, axis: usize) -> (S::F32s, S::F32s) {
-        let is_negative = self.negative[axis];
-        let near = self.simd.load(&node.bounds[axis][usize::from(is_negative)]);
-        let far = self
-            .simd
-            .load(&node.bounds[axis][usize::from(!is_negative)]);
+    fn planes<N: Node>(&self, node: &N, axis: usize) -> (S::F32s, S::F32s) {
+        let [near, far] = node.planes(self.simd, axis, self.negative[axis]);
         let t = |[reciprocal, offset]: [S::F32s; 2], places: S::F32s| {
             self.simd.mul_add(places, reciprocal, offset)
         };

@@ -15,12 +15,14 @@ use tahko_geometry::{
     FusedRay, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleKernel,
 };
 
+use super::access::{View, with_view};
 use super::batch::Batch;
 use super::leaf::Leaf;
+use super::node::Node;
 use super::order::nearest_child;
 use super::slabs::{SlabConstants, Slabs};
 use super::stack::Stack;
-use super::{Child, Kind, WideBvh};
+use super::{Child, Kind};
 use crate::Bvh;
 
 impl Traverse for Bvh {
@@ -34,13 +36,13 @@ impl Traverse for Bvh {
         collector: &mut H,
         counter: &mut C,
     ) {
-        self.simd().dispatch(Traversal::<K, H, C> {
-            bvh: self.layout(),
+        with_view!(self.layout(), bvh => self.simd().dispatch(Traversal::<K, H, C, _> {
+            bvh,
             ray,
             kernel: PhantomData,
             collector,
             counter,
-        });
+        }));
     }
 
     #[inline]
@@ -50,35 +52,37 @@ impl Traverse for Bvh {
         collector: &mut H,
         counter: &mut C,
     ) -> H::Answer {
-        self.simd().dispatch(Search::<K, H, C> {
-            bvh: self.layout(),
+        with_view!(self.layout(), bvh => self.simd().dispatch(Search::<K, H, C, _> {
+            bvh,
             ray,
             kernel: PhantomData,
             collector,
             counter,
-        })
+        }))
     }
 
     fn answers<K: TriangleKernel, H: HitCollector>(&self, rays: &[Ray], answers: &mut [H::Answer]) {
-        self.simd().dispatch(Batch::<K, H> {
-            bvh: self.layout(),
+        with_view!(self.layout(), bvh => self.simd().dispatch(Batch::<K, H, _> {
+            bvh,
             rays,
             answers,
             kernel: PhantomData,
-        });
+        }));
     }
 }
 
 /// A traversal and the answer, both with the instructions of the level.
-pub(super) struct Search<'a, K, H, C> {
-    pub(super) bvh: &'a WideBvh,
+pub(super) struct Search<'a, K, H, C, N> {
+    pub(super) bvh: View<'a, N>,
     pub(super) ray: &'a Ray,
     pub(super) kernel: PhantomData<K>,
     pub(super) collector: &'a mut H,
     pub(super) counter: &'a mut C,
 }
 
-impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Search<'_, K, H, C> {
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
+    for Search<'_, K, H, C, N>
+{
     type Output = H::Answer;
 
     #[inline(always)]
@@ -95,15 +99,17 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Searc
     }
 }
 
-struct Traversal<'a, K, H, C> {
-    bvh: &'a WideBvh,
+struct Traversal<'a, K, H, C, N> {
+    bvh: View<'a, N>,
     ray: &'a Ray,
     kernel: PhantomData<K>,
     collector: &'a mut H,
     counter: &'a mut C,
 }
 
-impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Traversal<'_, K, H, C> {
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
+    for Traversal<'_, K, H, C, N>
+{
     type Output = ();
 
     #[inline(always)]
@@ -120,7 +126,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
         }
         let fused = FusedRay::new(ray, bvh.size, K::REACH);
         let filter = K::Block::new(ray, &fused);
-        let way = Way::<K, H, C> {
+        let way = Way::<K, H, C, N> {
             bvh,
             ray,
             slabs: &SlabConstants::new(&fused, ray.t_min),
@@ -133,8 +139,8 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Trave
 }
 
 /// A ray's way through a subtree.
-pub(super) struct Way<'a, K: TriangleKernel, H, C> {
-    pub(super) bvh: &'a WideBvh,
+pub(super) struct Way<'a, K: TriangleKernel, H, C, N> {
+    pub(super) bvh: View<'a, N>,
     pub(super) ray: &'a Ray,
     pub(super) slabs: &'a SlabConstants,
     pub(super) filter: &'a K::Block,
@@ -142,7 +148,7 @@ pub(super) struct Way<'a, K: TriangleKernel, H, C> {
     pub(super) counter: &'a mut C,
 }
 
-impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> Way<'_, K, H, C> {
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> Way<'_, K, H, C, N> {
     /// Searches what is below a child. `Break` if the search is over.
     #[inline(always)]
     pub(super) fn search<S: Simd>(self, simd: S, below: Child) -> ControlFlow<()> {
@@ -175,7 +181,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> Way<'_, K, H, C> {
                 let nearest = if hits == 0 {
                     stack.pop_before::<H>(t_max)
                 } else {
-                    Some(nearest_child::<S, H>(
+                    Some(nearest_child::<S, H, N>(
                         bvh, simd, node, start, hits, &mut stack,
                     ))
                 };

@@ -7,7 +7,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{Lanes, Simd, WithSimd};
+use super::{LANES, Lanes, Simd, WithSimd};
 
 /// Shows that the processor has AVX2 and FMA.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ fn outlined<T: WithSimd>(simd: Avx2, algorithm: T) -> T::Output {
 macro_rules! intrinsic {
     ($call:expr) => {
         // SAFETY: the method has a value of this type, so the processor has AVX2 and FMA. No intrinsic here has further obligations but
-        // loads and stores, which are given aligned memory of the right size.
+        // loads and stores, which are given memory of the right size, aligned where they want it: that of bytes need not be.
         unsafe { $call }
     };
 }
@@ -66,6 +66,12 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn load(self, lanes: &Lanes) -> __m256 {
         intrinsic!(_mm256_load_ps(lanes.0.as_ptr()))
+    }
+    #[inline(always)]
+    fn load_u8(self, numbers: &[u8; LANES]) -> __m256 {
+        intrinsic!(_mm256_cvtepi32_ps(_mm256_cvtepu8_epi32(_mm_loadl_epi64(
+            numbers.as_ptr().cast()
+        ))))
     }
     #[inline(always)]
     fn store(self, value: __m256) -> Lanes {

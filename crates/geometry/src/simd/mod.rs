@@ -55,6 +55,8 @@ pub trait Simd: Copy {
     fn splat(self, value: f32) -> Self::F32s;
     /// The numbers in memory.
     fn load(self, lanes: &Lanes) -> Self::F32s;
+    /// Small whole numbers in memory, as floating-point numbers.
+    fn load_u8(self, numbers: &[u8; LANES]) -> Self::F32s;
     /// Puts the numbers into memory.
     fn store(self, value: Self::F32s) -> Lanes;
 

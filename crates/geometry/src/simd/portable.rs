@@ -24,6 +24,10 @@ impl Simd for Portable {
         lanes.0
     }
     #[inline(always)]
+    fn load_u8(self, numbers: &[u8; LANES]) -> Self::F32s {
+        numbers.map(f32::from)
+    }
+    #[inline(always)]
     fn store(self, value: Self::F32s) -> Lanes {
         Lanes(value)
     }

@@ -187,6 +187,30 @@ proptest! {
     }
 }
 
+/// Bytes as numbers.
+struct Bytes([u8; LANES]);
+
+impl WithSimd for Bytes {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Lanes {
+        simd.store(simd.load_u8(&self.0))
+    }
+}
+
+#[test]
+fn every_byte_is_the_same_number_in_every_lane_at_every_level() {
+    for level in levels() {
+        for first in 0..=u8::MAX {
+            // Different in every lane, on both sides of where a sign would be.
+            let bytes = [0, 37, 74, 111, 148, 185, 222, 3].map(|more| first.wrapping_add(more));
+            let found = level.dispatch(Bytes(bytes)).0;
+            assert_eq!(found, bytes.map(f32::from), "{:?}", level.level());
+        }
+    }
+}
+
 /// Whether a part of an algorithm runs with the same level.
 struct Outlined(Lanes);
 

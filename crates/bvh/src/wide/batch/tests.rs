@@ -6,7 +6,8 @@ use tahko_geometry::{
 };
 
 use super::*;
-use crate::{Bvh, BvhOptions};
+use crate::wide::access::with_view;
+use crate::{Bvh, BvhOptions, NodeFormat};
 
 /// The searches of a batch in turns, whatever the size of the tree.
 fn in_turns<K: TriangleKernel, H: HitCollector>(bvh: &Bvh, rays: &[Ray]) -> Vec<H::Answer>
@@ -14,12 +15,12 @@ where
     H::Answer: Clone + Default,
 {
     let mut answers = vec![H::Answer::default(); rays.len()];
-    bvh.simd().dispatch(Turns(Batch::<K, H> {
-        bvh: bvh.layout(),
+    with_view!(bvh.layout(), view => bvh.simd().dispatch(Turns(Batch::<K, H, _> {
+        bvh: view,
         rays,
         answers: &mut answers,
         kernel: PhantomData,
-    }));
+    })));
     answers
 }
 
@@ -29,18 +30,24 @@ where
     H::Answer: Clone + Default,
 {
     let mut answers = vec![H::Answer::default(); rays.len()];
-    bvh.simd().dispatch(Packets(Batch::<K, H> {
-        bvh: bvh.layout(),
+    with_view!(bvh.layout(), view => bvh.simd().dispatch(Packets(Batch::<K, H, _> {
+        bvh: view,
         rays,
         answers: &mut answers,
         kernel: PhantomData,
-    }));
+    })));
     answers
 }
 
 fn check<K: TriangleKernel>(mesh: &TriangleMesh, rays: &[Ray], precision: Precision) {
-    let options = BvhOptions::default().with_precision(precision);
-    let bvh = Bvh::build(mesh, &options).expect("options in range");
+    for format in NodeFormat::ALL {
+        let options = BvhOptions::default().with_node_format(format);
+        check_options::<K>(mesh, rays, &options.with_precision(precision));
+    }
+}
+
+fn check_options<K: TriangleKernel>(mesh: &TriangleMesh, rays: &[Ray], options: &BvhOptions) {
+    let bvh = Bvh::build(mesh, options).expect("options in range");
     for level in SimdLevel::ALL
         .into_iter()
         .filter(|level| level.is_available())

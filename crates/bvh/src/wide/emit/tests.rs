@@ -34,7 +34,7 @@ fn emit_with(tree: &BinaryTree, mesh: &TriangleMesh, max_leaf_size: usize, node:
         node,
         max_leaf_size,
     };
-    emit(tree, &Collapse::new(tree, &costs), mesh)
+    emit(tree, &Collapse::new(tree, &costs), mesh, NodeFormat::Full)
 }
 
 fn numbers(layout: &WideBvh, first: usize) -> Vec<u32> {

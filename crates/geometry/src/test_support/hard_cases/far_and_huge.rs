@@ -7,7 +7,7 @@ use super::aimed::aimed_at_features;
 use super::shapes::{cube, joined, mapped, sphere};
 use super::{HardCase, exact, ratio};
 use crate::test_support::soup;
-use crate::{Ray, Transform};
+use crate::{Ray, Transform, TriangleMesh};
 
 /// 22: A sphere moved so far that its vertices are rounded to 1/16 and to 1: no leak, and exact for the vertices as they are.
 pub(super) fn moved_far() -> Vec<HardCase> {
@@ -150,8 +150,8 @@ pub(super) fn denormal_vertices() -> Vec<HardCase> {
     vec![case]
 }
 
-/// 42: A cluster of small boxes 1e3 from zero, looked at from 1e7 away: the setting in which the boxes of quantised nodes, decoded with a
-/// rounding inwards, lose hits. No structure quantises boxes yet; when one does, this case asks it.
+/// 42: Small boxes 1e3 from zero, by themselves and beside a large one, whose node has a grid with steps longer than they are: where the boxes of quantised nodes
+/// lose hits if they are rounded inward. Looked at from 1e7 away and, where box tests have hardly a margin, from close by, along the faces of the boxes.
 pub(super) fn far_from_the_node() -> Vec<HardCase> {
     let place = |index: u8| {
         let at = |place: u8| f32::from(index >> place & 3);
@@ -159,28 +159,38 @@ pub(super) fn far_from_the_node() -> Vec<HardCase> {
     };
     let one = |index: u8| mapped(&cube(), |corner| 0.01 * corner + place(index));
     let cluster = (1..64)
-        .step_by(3)
+        .step_by(7)
         .fold(one(0), |cluster, index| joined(&cluster, &one(index)));
-    let mut case = HardCase::new(
-        42,
-        "cluster far from the origin of the rays",
-        cluster.clone(),
-    )
-    .closed();
+    let large = mapped(&cube(), |corner| 300.0 * corner + vec3(200.0, -2e3, 300.0));
+    let few = (0..64)
+        .step_by(21)
+        .fold(large, |all, index| joined(&all, &one(index)));
+    vec![
+        aimed_at_small_boxes("small boxes far from the origin of the rays", cluster),
+        aimed_at_small_boxes("small boxes beside a large one", few),
+    ]
+}
+
+fn aimed_at_small_boxes(name: &'static str, mesh: TriangleMesh) -> HardCase {
     let origins = [
         vec3(1e7, 1e3, -1e3),
         vec3(-1e7, -1e7, 2e6),
         vec3(1e3, -1e7, 1e3),
     ];
-    for (vertex, origin) in cluster.vertices().iter().zip(origins.into_iter().cycle()) {
+    let vertices = mesh.vertices().to_vec();
+    let mut case = HardCase::new(42, name, mesh).closed();
+    let axes = Vec3::AXES.into_iter().cycle();
+    let places = origins.into_iter().cycle().zip(axes);
+    for (vertex, (origin, axis)) in vertices.into_iter().zip(places) {
         let level = vec3(-1e7, vertex.y, vertex.z);
         case = case
-            .asks(Ray::new(origin, *vertex - origin))
+            .asks(Ray::new(origin, vertex - origin))
             .starting_outside()
             .hits_something(Ray::new(level, Vec3::X))
-            .starting_outside();
+            .starting_outside()
+            .hits_something(Ray::new(vertex - 0.25 * axis, axis));
     }
-    vec![case]
+    case
 }
 
 /// 43: A sphere scaled by 1e-6, 2 and 300 and sheared. There are no instances yet: the transformed mesh is asked.

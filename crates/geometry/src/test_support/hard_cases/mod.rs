@@ -49,7 +49,7 @@
 //! | 39 | `cells::sliver_cells` | planes 1e-7 apart |
 //! | 40 | `cells::turned_prism` | planes through edges, neighbours astride by rounding |
 //! | 41 | `cells::nearly_coplanar_planes` | a dome 1e-5 high |
-//! | 42 | `far_and_huge::far_from_the_node` | origins 1e7 away; no structure quantises boxes yet |
+//! | 42 | `far_and_huge::far_from_the_node` | small boxes in a coarse grid, from near and from 1e7 away |
 //! | 43 | `far_and_huge::sheared` | scaled by 1e-6, sheared; the mesh itself, as there are no instances yet |
 //! | 44 | `far_and_huge::directions_of_any_length` | 2^-100 to 1e38 |
 //! | 45 | `intervals::close_spheres` | 4e-5 apart, starting on the outer one |
