@@ -65,8 +65,8 @@ pub enum BuildMethod {
 pub enum NodeFormat {
     /// As they are, in f32: 256 bytes for a node of up to eight children.
     Full,
-    /// Rounded outward to 8 bits of the extent of the node: 96 bytes, which makes trees 8 % smaller. Measured against the other format, rays visit 2 to 4 % more nodes,
-    /// and to decode a node takes a third more instructions: up to a tenth slower in trees that fit the caches, about as fast in trees of 100 MB and more. An object that
+    /// Rounded outward to 8 bits of the extent of the node: 96 bytes, which makes trees 8 % smaller. Measured against the other format, rays visit 3 to 12 % more nodes,
+    /// and to decode a node takes a third more instructions: up to a seventh slower in trees that fit the caches, about as fast in trees of 100 MB and more. An object that
     /// is tiny beside its surroundings costs more: in the node that it shares with them its parts have boxes as large as a step of their grid.
     Quantised,
 }

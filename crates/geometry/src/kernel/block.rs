@@ -15,9 +15,9 @@ pub trait BlockFilter: Copy {
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
 
     /// A closer look at lanes that are possible, and not certain: a bit for each of them that the kernel may accept after all. The others it
-    /// rejects, and would have by its f64 rung.
+    /// rejects, and would have by its f64 rung. The ray is the one that the filter was made for.
     #[inline(always)]
-    fn possible_in_f64(&self, _block: &TriangleBlock, lanes: u32) -> u32 {
+    fn possible_in_f64(&self, _ray: &Ray, _block: &TriangleBlock, lanes: u32) -> u32 {
         lanes
     }
 }

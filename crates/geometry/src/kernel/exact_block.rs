@@ -174,14 +174,16 @@ impl BlockFilter for ExactBlockFilter {
     }
 
     #[inline(always)]
-    fn possible_in_f64(&self, block: &TriangleBlock, lanes: u32) -> u32 {
+    fn possible_in_f64(&self, ray: &Ray, block: &TriangleBlock, lanes: u32) -> u32 {
         if self.t_min < 0.0 {
             return lanes;
         }
+        // Of the ray, not of the filter, which may have been written a moment ago in other widths than it would be read in.
+        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
         let mut possible = lanes;
         for lane in lanes_of(lanes) {
             let triangle = block.coordinates(lane);
-            let is_behind = is_certainly_behind(self.origin, self.direction, triangle);
+            let is_behind = is_certainly_behind(origin, direction, triangle);
             possible &= !(u32::from(is_behind) << lane);
         }
         possible

@@ -21,7 +21,7 @@ fn given_up_in_f64(ray: &Ray, triangles: &[Triangle]) -> u32 {
     let block = TriangleBlock::new((0..).zip(triangles.iter().copied()));
     let fused = FusedRay::new(ray, 1.0, 0.0);
     let filter = ExactBlockFilter::new(ray, &fused);
-    block.used() & !filter.possible_in_f64(&block, block.used())
+    block.used() & !filter.possible_in_f64(ray, &block, block.used())
 }
 
 struct Test<'a, F> {
