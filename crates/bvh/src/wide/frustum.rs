@@ -80,3 +80,98 @@ fn pair<S: Simd>(simd: S, [a, b]: [f32; 2]) -> [S::F32s; 2] {
 fn pairs<S: Simd>(simd: S, [a, b]: [[f32; 2]; 2]) -> [[S::F32s; 2]; 2] {
     [pair(simd, a), pair(simd, b)]
 }
+
+#[cfg(test)]
+mod tests {
+    use tahko_geometry::glam::{Vec3, Vec3Swizzles};
+    use tahko_geometry::simd::{SimdLevel, WithSimd};
+    use tahko_geometry::{Aabb, FusedPacket, GatheredBounds, Ray, RayLanes};
+
+    use super::*;
+    use crate::wide::{Child, WideNode};
+
+    struct Clip<'a> {
+        rays: &'a RayLanes,
+        negative: u32,
+        node: &'a WideNode,
+        t_max: f32,
+    }
+
+    impl WithSimd for Clip<'_> {
+        type Output = (Lanes, u32);
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> (Lanes, u32) {
+            let mut bounds = GatheredBounds::new(self.negative);
+            let mut packet = FusedPacket::EMPTY;
+            packet.prepare(simd, self.rays, self.negative, (20.0, 0.0), &mut bounds);
+            let frustum = Frustum::new(simd, &bounds.all_lanes(self.negative), self.negative);
+            frustum.clip(self.node, self.t_max)
+        }
+    }
+
+    /// A node of cubes, at -9, -6 and so on along an axis, which leaves the last lane without a child.
+    fn row_of_cubes(axis: Vec3) -> WideNode {
+        let mut node = WideNode::EMPTY;
+        for lane in 0..7u8 {
+            let centre = axis * (3.0 * f32::from(lane) - 9.0);
+            let cube = Aabb::new(centre - Vec3::ONE, centre + Vec3::ONE);
+            node.set(usize::from(lane), &cube, Child::leaf(1));
+        }
+        node
+    }
+
+    #[test]
+    fn boxes_that_a_ray_of_the_packet_meets_are_left_and_others_are_not() {
+        for axis in Vec3::AXES {
+            let node = row_of_cubes(axis);
+            for sign in [1.0, -1.0] {
+                // From beside the fifth cube, at 3, on to all but the first ones; those behind, and those beyond `t_max`, are culled.
+                let side = axis.yzx() * 0.1;
+                let direction = sign * axis + 0.01 * axis.yzx();
+                let mut rays = RayLanes::splat(&Ray::new(1.5 * axis + side, direction));
+                rays.set(
+                    1,
+                    &Ray::new(1.6 * axis - side, direction + 0.02 * axis.zxy()),
+                );
+                let expected = if sign > 0.0 {
+                    [0b111_0000, 0b001_0000]
+                } else {
+                    [0b000_1111, 0b000_1000]
+                };
+                for level in SimdLevel::ALL.into_iter().filter_map(SimdLevel::available) {
+                    for (t_max, expected) in [f32::INFINITY, 2.0].into_iter().zip(expected) {
+                        let (starts, hits) = level.dispatch(Clip {
+                            rays: &rays,
+                            negative: direction.is_negative_bitmask(),
+                            node: &node,
+                            t_max,
+                        });
+                        assert_eq!(hits, expected, "{axis} {sign} {t_max}: {hits:b}");
+                        // The nearest cube begins half a unit ahead.
+                        let nearest = if sign > 0.0 { 4 } else { 3 };
+                        let start = starts.0[nearest];
+                        assert!((0.38..=0.6).contains(&start), "{axis} {sign}: {start}");
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn boxes_beside_all_rays_are_culled() {
+        for axis in Vec3::AXES {
+            let node = row_of_cubes(axis);
+            let across = axis.yzx();
+            let rays = RayLanes::splat(&Ray::new(-20.0 * across, across + 0.001 * axis));
+            let level = SimdLevel::Portable.available().expect("on every processor");
+            let (_, hits) = level.dispatch(Clip {
+                rays: &rays,
+                negative: 0,
+                node: &node,
+                t_max: f32::INFINITY,
+            });
+            assert_eq!(hits, 0b000_1000, "{axis}: the one at zero alone, {hits:b}");
+        }
+    }
+}

@@ -6,8 +6,9 @@
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
+use tahko_geometry::glam::Vec3;
 use tahko_geometry::kernel::BlockFilter;
-use tahko_geometry::simd::{LANES, Lanes, Simd, WithSimd};
+use tahko_geometry::simd::{LANES, Lanes, Simd, WithSimd, bits_of};
 use tahko_geometry::{
     FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes, TriangleKernel,
 };
@@ -58,10 +59,7 @@ struct Waiting {
 impl<'a, H: HitCollector> Packet<'a, H> {
     /// Room for a packet.
     pub(super) fn new() -> Self {
-        let anything = Ray::new(
-            tahko_geometry::glam::Vec3::ZERO,
-            tahko_geometry::glam::Vec3::ONE,
-        );
+        let anything = Ray::new(Vec3::ZERO, Vec3::ONE);
         Self {
             rays: [RayLanes::splat(&anything); GROUPS],
             fused: [FusedPacket::EMPTY; GROUPS],
@@ -158,7 +156,7 @@ impl<'a, H: HitCollector> Packet<'a, H> {
         mut step: impl FnMut(&mut Member<'a, H>) -> ControlFlow<()>,
     ) -> u64 {
         let mut done = 0;
-        for place in bits(rays) {
+        for place in bits_of(rays) {
             let member = &mut self.members[place];
             let t_max = if step(member).is_break() {
                 done |= 1 << place;
@@ -175,7 +173,7 @@ impl<'a, H: HitCollector> Packet<'a, H> {
     #[inline(always)]
     fn wait(&mut self, node: Child, starts: &Lanes, hits: u32, rays: u64) {
         let first = self.waiting.len();
-        for lane in bits(u64::from(hits)) {
+        for lane in bits_of(u64::from(hits)) {
             let child = Waiting {
                 rays,
                 node,
@@ -191,18 +189,6 @@ impl<'a, H: HitCollector> Packet<'a, H> {
             self.waiting[place] = child;
         }
     }
-}
-
-/// The numbers of the bits that are set.
-#[inline(always)]
-pub(super) fn bits(mut mask: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let index = mask.trailing_zeros();
-        (mask != 0).then(|| {
-            mask &= mask - 1;
-            index as usize % SIZE
-        })
-    })
 }
 
 /// The searches of the rays of a packet, of which there is at least one.

@@ -2,13 +2,13 @@
 
 use std::marker::PhantomData;
 
-use tahko_geometry::simd::{Simd, WithSimd};
+use tahko_geometry::simd::{Simd, WithSimd, bits_of};
 use tahko_geometry::{HitCollector, Ray, TriangleKernel};
 
 use super::Child;
 use super::batch::{Batch, search_one};
 use super::node::Node;
-use super::packet::{Packet, PacketSearch, SIZE, bits};
+use super::packet::{Packet, PacketSearch, SIZE};
 
 /// Rays at least for a packet; fewer are searched one by one.
 const FEWEST: u32 = 8;
@@ -39,7 +39,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Packets<'_, K, H,
                     Some(negative)
                         if members.count_ones() >= FEWEST && bvh.root != Child::NOTHING =>
                     {
-                        for index in bits(members) {
+                        for index in bits_of(members) {
                             packet.push(index, &rays[index]);
                         }
                         simd.outline(PacketSearch::<K, H, N> {
@@ -54,7 +54,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Packets<'_, K, H,
                         }
                     }
                     _ => {
-                        for index in bits(members) {
+                        for index in bits_of(members) {
                             answers[index] = search_one::<S, K, H, N>(simd, bvh, &rays[index]);
                         }
                     }
@@ -78,4 +78,44 @@ fn places_of(octant: Option<u8>, octants: &[Option<u8>; SIZE]) -> u64 {
     places.fold(0, |members, (place, other)| {
         members | u64::from(*other == octant) << place
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use tahko_geometry::glam::Vec3;
+    use tahko_geometry::test_support::invalid_rays;
+
+    use super::*;
+
+    #[test]
+    fn rays_of_an_octant_find_each_other() {
+        let directions = [
+            (Vec3::new(1.0, 2.0, 0.0), 0),
+            (Vec3::new(-1.0, 2.0, 3.0), 1),
+            (Vec3::new(1.0, -2.0, -0.0), 6),
+            (Vec3::new(2.0, 1.0, 5.0), 0),
+        ];
+        let mut octants = [None; SIZE];
+        for (place, (direction, expected)) in directions.into_iter().enumerate() {
+            octants[place] = octant(&Ray::new(Vec3::ONE, direction));
+            assert_eq!(octants[place], Some(expected), "{direction}");
+        }
+        assert_eq!(places_of(Some(0), &octants), 0b1001);
+        assert_eq!(places_of(Some(6), &octants), 0b0100);
+        assert_eq!(places_of(Some(5), &octants), 0);
+    }
+
+    #[test]
+    fn rays_that_begin_behind_their_origin_or_are_not_valid_are_in_no_packet() {
+        let good = Ray::new(Vec3::ZERO, Vec3::ONE);
+        let behind = Ray {
+            t_min: -1.0,
+            ..good
+        };
+        assert_eq!(octant(&behind), None);
+        assert!(
+            invalid_rays(good).iter().all(|ray| octant(ray).is_none()),
+            "not valid"
+        );
+    }
 }

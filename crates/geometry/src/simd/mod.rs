@@ -31,17 +31,23 @@ impl Lanes {
     }
 }
 
-/// The numbers of the bits that are set, all below 8.
+/// The numbers of the bits that are set, from the lowest on.
 #[inline(always)]
-pub(crate) fn lanes_of(mut bits: u32) -> impl Iterator<Item = usize> {
+pub fn bits_of(mut mask: u64) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros();
-        (bits != 0).then(|| {
-            bits &= bits - 1;
-            // Says that lanes are in range.
-            lane as usize % LANES
+        let bit = mask.trailing_zeros();
+        (mask != 0).then(|| {
+            mask &= mask - 1;
+            bit as usize
         })
     })
+}
+
+/// The numbers of the bits that are set, all below 8.
+#[inline(always)]
+pub(crate) fn lanes_of(bits: u32) -> impl Iterator<Item = usize> {
+    // Says that lanes are in range.
+    bits_of(u64::from(bits)).map(|lane| lane % LANES)
 }
 
 /// The operations of a level.
