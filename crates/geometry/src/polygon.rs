@@ -72,7 +72,10 @@ pub enum Split {
 /// coordinate: four roundings to f32.
 const INPUT_ROUNDING: f64 = 4.0 / (1u64 << 24) as f64;
 
-/// More than the error of points where planes cut an edge, several times over, as a part of the largest coordinate.
+/// How far apart two vertices may be that count as one point of a plane, as a part of the largest coordinate `m`.
+///
+/// A vertex counts as coplanar within [`Plane::rounding_error`], here at most `16 u * 2 sqrt(3) m < 2^-47 m`, of the plane. So two of them on an edge across the plane are less
+/// than `2^-46 m` apart. Four times that allows for edges that cross it at an angle. Where they are farther apart the polygon counts as coplanar, which keeps it whole.
 const CUT_ROUNDING: f64 = 1.0 / (1u64 << 44) as f64;
 
 impl Polygon {
