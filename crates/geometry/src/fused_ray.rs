@@ -25,7 +25,7 @@
 
 use std::ops::RangeInclusive;
 
-use glam::Vec4;
+use glam::{Vec3A, Vec4};
 
 use crate::{Aabb, Ray};
 
@@ -44,6 +44,8 @@ pub struct FusedRay {
     pub far: FusedSlabs,
     /// Whether the direction is negative: bit `i` for axis `i`. Set for -0.0.
     pub negative: u32,
+    /// The size of the largest component of the direction.
+    pub largest: f32,
     /// No coordinate differs more between the origin and the bounds.
     pub farthest: f32,
 }
@@ -88,15 +90,17 @@ impl FusedRay {
     #[inline(always)]
     #[must_use]
     pub fn new(ray: &Ray, size: f32, reach: f32) -> Self {
-        // All axes at a time; the fourth is harmless.
-        let origin = ray.origin.extend(0.0);
-        let direction = ray.direction.extend(0.0);
+        // All axes at a time. The fourth is harmless, and filled with what follows in memory: so this is one load.
+        let (origin, direction) = (ray.origin, ray.direction);
+        let origin = Vec4::new(origin.x, origin.y, origin.z, direction.x);
+        let direction = Vec4::new(direction.x, direction.y, direction.z, ray.t_min);
         let magnitudes = direction.abs();
+        let largest = largest_of_three(magnitudes);
         let reciprocal = magnitudes
             .max(Vec4::splat(SMALLEST_COMPONENT))
             .copysign(direction)
             .recip();
-        let farthest = (size + origin.abs().max_element()) * (1.0 + SHIFT);
+        let farthest = (size + largest_of_three(origin.abs())) * (1.0 + SHIFT);
         let mut shift = size * SHIFT_OF_SIZE;
         if reach > 0.0 {
             let [relative, absolute] = shift_for(reach);
@@ -106,7 +110,7 @@ impl FusedRay {
             shift += SHIFT_BEHIND * farthest;
         }
         // What is not in these ranges, NaN included, culls nothing.
-        let culls = DIRECTIONS.contains(&magnitudes.max_element())
+        let culls = DIRECTIONS.contains(&largest)
             && size >= SMALLEST_SIZE
             && farthest <= FARTHEST
             && farthest <= size * FARTHEST_IN_SIZES;
@@ -119,6 +123,7 @@ impl FusedRay {
             near: FusedSlabs::new(origin + shift, reciprocal * (1.0 - RELATIVE_WIDENING)),
             far: FusedSlabs::new(origin - shift, reciprocal * (1.0 + RELATIVE_WIDENING)),
             negative: direction.is_negative_bitmask() & 7,
+            largest,
             farthest,
         }
     }
@@ -129,6 +134,12 @@ impl FusedRay {
 #[inline(always)]
 const fn shift_for(reach: f32) -> [f32; 2] {
     [reach / (1u32 << 24) as f32, reach * f32::from_bits(1)]
+}
+
+/// The largest of the first three components.
+#[inline(always)]
+fn largest_of_three(vector: Vec4) -> f32 {
+    Vec3A::from_vec4(vector).max_element()
 }
 
 impl FusedSlabs {

@@ -18,48 +18,62 @@ pub(super) struct View<'a, N> {
     pub(super) root: Child,
     /// What rays are prepared for, as [`WideBvh::size`].
     pub(super) size: f32,
+    /// Whether all stays in the caches near the processor.
+    pub(super) is_cached: bool,
     /// Invariant: of one layout.
     nodes: &'a [N],
     blocks: &'a [TriangleBlock],
 }
 
+/// A layout with the format of its nodes: what a search is called with, fewer words than a view.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Source<'a, N> {
+    layout: &'a WideBvh,
+    nodes: &'a [N],
+}
+
 /// Half of what is asked for of a leaf before it is needed, in bytes.
 const HALF: usize = 128;
 
-/// A view for each format of nodes.
+/// A source for each format of nodes.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum AnyView<'a> {
-    Full(View<'a, WideNode>),
-    Quantised(View<'a, QuantisedNode>),
+pub(super) enum AnySource<'a> {
+    Full(Source<'a, WideNode>),
+    Quantised(Source<'a, QuantisedNode>),
 }
 
 /// Compiles a search for every format of nodes and runs the one that the layout has.
-macro_rules! with_view {
-    ($layout:expr, $view:ident => $search:expr) => {
-        match $layout.view() {
-            $crate::wide::access::AnyView::Full($view) => $search,
-            $crate::wide::access::AnyView::Quantised($view) => $search,
+macro_rules! with_source {
+    ($layout:expr, $source:ident => $search:expr) => {
+        match $layout.source() {
+            $crate::wide::access::AnySource::Full($source) => $search,
+            $crate::wide::access::AnySource::Quantised($source) => $search,
         }
     };
 }
-pub(super) use with_view;
+pub(super) use with_source;
 
 impl WideBvh {
     #[inline(always)]
-    pub(super) fn view(&self) -> AnyView<'_> {
+    pub(super) fn source(&self) -> AnySource<'_> {
+        let layout = self;
         match &self.nodes {
-            Nodes::Full(nodes) => AnyView::Full(self.view_of(nodes)),
-            Nodes::Quantised(nodes) => AnyView::Quantised(self.view_of(nodes)),
+            Nodes::Full(nodes) => AnySource::Full(Source { layout, nodes }),
+            Nodes::Quantised(nodes) => AnySource::Quantised(Source { layout, nodes }),
         }
     }
+}
 
+impl<'a, N> Source<'a, N> {
     #[inline(always)]
-    fn view_of<'a, N>(&'a self, nodes: &'a [N]) -> View<'a, N> {
+    pub(super) fn view(self) -> View<'a, N> {
+        let Self { layout, nodes } = self;
         View {
-            root: self.root,
-            size: self.size,
+            root: layout.root,
+            size: layout.size,
+            is_cached: layout.is_cached,
             nodes,
-            blocks: &self.blocks,
+            blocks: &layout.blocks,
         }
     }
 }
@@ -80,11 +94,6 @@ impl<'a, N: Node> View<'a, N> {
         debug_assert!(index < self.blocks.len(), "leaf out of range");
         // SAFETY: as above.
         unsafe { self.blocks.get_unchecked(index..) }
-    }
-
-    /// Memory of nodes and triangles, in bytes.
-    pub(super) fn bytes(self) -> usize {
-        size_of_val(self.nodes) + size_of_val(self.blocks)
     }
 
     /// Asks for the memory of a child that is soon needed.

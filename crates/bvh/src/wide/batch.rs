@@ -19,17 +19,13 @@ use super::leaf::Leaf;
 use super::node::Node;
 use super::order::nearest_child;
 use super::packets::Packets;
-use super::slabs::{SlabConstants, Slabs};
+use super::slabs::Slabs;
 use super::stack::Stack;
-use super::traverse::Search;
+use super::traverse::search;
 use super::{Child, Kind};
 
 /// Rays that a thread has in flight.
 const IN_FLIGHT: usize = 8;
-
-/// Trees up to this size, in bytes, stay in the caches near the processor. There is little to wait for, and turns cost more than they bring: measured
-/// with trees of 0.4 to 33 MB on a processor with 512 KiB of second level cache, turns bring a quarter at 18 MB, and cost a tenth at 5 MB.
-const CACHED: usize = 8 << 20;
 
 /// The searches of many rays.
 pub(super) struct Batch<'a, K: TriangleKernel, H: HitCollector, N> {
@@ -46,10 +42,10 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Batch<'_, K, H, N
     fn with_simd<S: Simd>(self, simd: S) {
         if are_coherent(self.rays, self.bvh.size) {
             simd.outline(Packets(self));
-        } else if self.bvh.bytes() > CACHED {
-            simd.outline(Turns(self));
-        } else {
+        } else if self.bvh.is_cached {
             simd.outline(OneByOne(self));
+        } else {
+            simd.outline(Turns(self));
         }
     }
 }
@@ -95,17 +91,10 @@ pub(super) fn search_one<S: Simd, K: TriangleKernel, H: HitCollector, N: Node>(
     ray: &Ray,
 ) -> H::Answer {
     let mut collector = H::new(ray);
-    if !ray.is_valid() {
-        return collector.finish::<K, ()>(ray, &mut ());
+    if ray.is_valid() {
+        search::<S, K, H, (), N>(simd, bvh, ray, &mut collector, &mut ());
     }
-    let search = Search::<K, H, (), N> {
-        bvh,
-        ray,
-        kernel: PhantomData,
-        collector: &mut collector,
-        counter: &mut (),
-    };
-    search.with_simd(simd)
+    collector.finish::<K, ()>(ray, &mut ())
 }
 
 /// Several rays in flight.
@@ -213,7 +202,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         let nearest = match self.child.kind() {
             Kind::Inner(index) => {
                 let node = bvh.node(index);
-                let slabs = Slabs::new(simd, &SlabConstants::new(&self.fused, self.ray.t_min));
+                let slabs = Slabs::new(simd, &self.fused, self.ray.t_min);
                 let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
                 let hits = simd.bits(hits);
                 if hits == 0 {

@@ -10,7 +10,7 @@ use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
 use super::choice::Choice;
 use super::collapse::{Collapse, Root};
-use super::{Child, Nodes, WideBvh, WideNode};
+use super::{CACHED, Child, Nodes, WideBvh, WideNode};
 use crate::NodeFormat;
 use crate::build::{BinaryTree, Link};
 use crate::filling::{Filling, Part};
@@ -42,12 +42,14 @@ pub(super) fn emit(
         root,
         bounds,
         size: 0.0,
+        is_cached: false,
         nodes: Nodes::new(nodes.finish(), format),
         blocks: blocks.finish(),
         depth: plan.extent.depth,
         triangle_count: mesh.len(),
     };
     layout.size = root_size(&layout.outer_bounds());
+    layout.is_cached = layout.bytes() <= CACHED;
     layout
 }
 

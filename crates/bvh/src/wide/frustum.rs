@@ -39,7 +39,7 @@ impl<S: Simd> Frustum<S> {
     #[inline(always)]
     pub(super) fn clip<N: Node>(&self, node: &N, t_max: f32) -> (Lanes, u32) {
         let simd = self.simd;
-        let planes = |axis: usize| node.planes(simd, axis, self.negative[axis]);
+        let planes = |axis: usize| node.planes(simd, axis, u32::from(self.negative[axis]));
         let [x, y, z] = [planes(0), planes(1), planes(2)];
         let near = |planes: S::F32s, axis: usize| {
             let [a, b] = self.places(planes, axis, 0);

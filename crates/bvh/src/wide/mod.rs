@@ -39,6 +39,8 @@ pub(crate) struct WideBvh {
     pub(crate) bounds: Aabb,
     /// The largest magnitude of a coordinate of the bounds and of all boxes.
     pub(crate) size: f32,
+    /// Whether all nodes and blocks stay in the caches near the processor.
+    pub(crate) is_cached: bool,
     pub(crate) nodes: Nodes,
     pub(crate) blocks: Vec<TriangleBlock>,
     /// Nodes on the longest way from the root to a leaf, both included.
@@ -46,6 +48,10 @@ pub(crate) struct WideBvh {
     /// Triangles of the mesh.
     pub(crate) triangle_count: usize,
 }
+
+/// Trees up to this size, in bytes, stay in the caches near the processor: there is little to wait for. Measured with trees of 0.4 to 33 MB on a processor with 512 KiB of second level
+/// cache, several rays in flight bring a quarter at 18 MB, and cost a tenth at 5 MB.
+const CACHED: usize = 8 << 20;
 
 /// Unused lanes hold NaN, so the coordinates of triangles are not compared as lanes are.
 impl PartialEq for WideBvh {

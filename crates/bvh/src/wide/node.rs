@@ -13,8 +13,8 @@ pub(crate) trait Node: Copy {
     fn lanes(&self) -> &[Child; LANES];
 
     /// The planes of the children's boxes across an axis: those with the smallest coordinates and those with the largest; the other way round for a ray that
-    /// goes in the negative direction, so that those come first which it meets first.
-    fn planes<S: Simd>(&self, simd: S, axis: usize, is_negative: bool) -> [S::F32s; 2];
+    /// goes in the negative direction, as the lowest bit of `negative` says, so that those come first which it meets first.
+    fn planes<S: Simd>(&self, simd: S, axis: usize, negative: u32) -> [S::F32s; 2];
 
     /// The same boxes and children as 32-bit numbers.
     fn decoded(&self) -> WideNode;
@@ -110,8 +110,9 @@ impl Node for WideNode {
     }
 
     #[inline(always)]
-    fn planes<S: Simd>(&self, simd: S, axis: usize, is_negative: bool) -> [S::F32s; 2] {
-        let [first, second] = [is_negative, !is_negative].map(usize::from);
+    fn planes<S: Simd>(&self, simd: S, axis: usize, negative: u32) -> [S::F32s; 2] {
+        let first = (negative & 1) as usize;
+        let second = first ^ 1;
         let planes = &self.bounds[axis];
         [simd.load(&planes[first]), simd.load(&planes[second])]
     }

@@ -36,7 +36,9 @@ pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node>(
     let rest = rest & (rest - 1);
     if rest == 0 {
         let [near, far] = sorted(a, b);
-        bvh.prefetch(simd, far.child());
+        if !bvh.is_cached {
+            bvh.prefetch(simd, far.child());
+        }
         stack.push(far);
         return near.child();
     }
@@ -46,7 +48,9 @@ pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node>(
         let [a, b] = sorted(a, b);
         let [b, c] = sorted(b, c);
         let [a, b] = sorted(a, b);
-        bvh.prefetch(simd, b.child());
+        if !bvh.is_cached {
+            bvh.prefetch(simd, b.child());
+        }
         stack.push(c);
         stack.push(b);
         return a.child();

@@ -17,7 +17,6 @@ use super::access::View;
 use super::frustum::Frustum;
 use super::leaf::Leaf;
 use super::node::Node;
-use super::slabs::SlabConstants;
 use super::traverse::Way;
 use super::{Child, Kind, WideNode};
 
@@ -291,7 +290,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Alone<'_, '_, K, 
         let way = Way::<K, H, (), N> {
             bvh,
             ray: member.ray,
-            slabs: &SlabConstants::new(&fused, member.ray.t_min),
+            fused: &fused,
             filter: &K::Block::new(member.ray, &fused),
             collector: &mut member.collector,
             counter: &mut (),

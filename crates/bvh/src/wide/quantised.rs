@@ -54,12 +54,13 @@ impl Node for QuantisedNode {
     }
 
     #[inline(always)]
-    fn planes<S: Simd>(&self, simd: S, axis: usize, is_negative: bool) -> [S::F32s; 2] {
+    fn planes<S: Simd>(&self, simd: S, axis: usize, negative: u32) -> [S::F32s; 2] {
         let grid = self.grid(axis);
         let (origin, step) = (simd.splat(grid.origin), simd.splat(grid.step()));
         // Rounded once or twice, as levels have it: the product is exact.
         let place = |steps: &[u8; LANES]| simd.mul_add(simd.load_u8(steps), step, origin);
-        let [first, second] = [is_negative, !is_negative].map(usize::from);
+        let first = (negative & 1) as usize;
+        let second = first ^ 1;
         let planes = &self.planes[axis];
         [place(&planes[first]), place(&planes[second])]
     }

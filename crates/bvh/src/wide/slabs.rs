@@ -5,59 +5,28 @@ use tahko_geometry::{FusedRay, FusedSlabs};
 
 use super::node::Node;
 
-/// What the boxes of nodes are tested with, in memory: single numbers, which a load puts into all lanes.
-#[derive(Clone, Copy)]
-#[repr(C)]
-pub(super) struct SlabConstants {
-    /// By axis: reciprocals and offsets of near planes, then of far planes.
-    near: [[f32; 2]; 3],
-    far: [[f32; 2]; 3],
-    t_min: f32,
-    negative: [bool; 3],
-}
-
-impl SlabConstants {
-    #[inline(always)]
-    pub(super) fn new(ray: &FusedRay, t_min: f32) -> Self {
-        let planes = |slabs: &FusedSlabs| {
-            let FusedSlabs {
-                reciprocal, offset, ..
-            } = slabs;
-            [
-                [reciprocal.x, offset.x],
-                [reciprocal.y, offset.y],
-                [reciprocal.z, offset.z],
-            ]
-        };
-        Self {
-            near: planes(&ray.near),
-            far: planes(&ray.far),
-            negative: [1, 2, 4].map(|bit| ray.negative & bit != 0),
-            // Entries are ordered as integers: no negative zero.
-            t_min: t_min + 0.0,
-        }
-    }
-}
-
 /// What the boxes of nodes are tested with, in registers.
 pub(super) struct Slabs<S: Simd> {
     simd: S,
     /// By axis: reciprocals and offsets of near planes, then of far planes.
     near: [[S::F32s; 2]; 3],
     far: [[S::F32s; 2]; 3],
-    negative: [bool; 3],
+    /// Bit `i` for axis `i`: whether the direction is negative.
+    negative: u32,
     t_min: S::F32s,
 }
 
 impl<S: Simd> Slabs<S> {
+    /// The ray is read from memory, into all lanes: the place of each of its numbers is all that has to be known for that.
     #[inline(always)]
-    pub(super) fn new(simd: S, constants: &SlabConstants) -> Self {
+    pub(super) fn new(simd: S, ray: &FusedRay, t_min: f32) -> Self {
         Self {
             simd,
-            near: splat(simd, &constants.near),
-            far: splat(simd, &constants.far),
-            negative: constants.negative,
-            t_min: simd.splat(constants.t_min),
+            near: splat(simd, &ray.near),
+            far: splat(simd, &ray.far),
+            negative: ray.negative,
+            // Entries are ordered as integers: no negative zero.
+            t_min: simd.splat(t_min + 0.0),
         }
     }
 
@@ -77,7 +46,7 @@ impl<S: Simd> Slabs<S> {
     /// Where the ray meets the planes across an axis: those that it meets first, and the others.
     #[inline(always)]
     fn planes<N: Node>(&self, node: &N, axis: usize) -> (S::F32s, S::F32s) {
-        let [near, far] = node.planes(self.simd, axis, self.negative[axis]);
+        let [near, far] = node.planes(self.simd, axis, self.negative >> axis);
         let t = |[reciprocal, offset]: [S::F32s; 2], places: S::F32s| {
             self.simd.mul_add(places, reciprocal, offset)
         };
@@ -86,7 +55,11 @@ impl<S: Simd> Slabs<S> {
 }
 
 #[inline(always)]
-fn splat<S: Simd>(simd: S, [x, y, z]: &[[f32; 2]; 3]) -> [[S::F32s; 2]; 3] {
-    let planes = |[reciprocal, offset]: &[f32; 2]| [simd.splat(*reciprocal), simd.splat(*offset)];
-    [planes(x), planes(y), planes(z)]
+fn splat<S: Simd>(simd: S, slabs: &FusedSlabs) -> [[S::F32s; 2]; 3] {
+    let FusedSlabs { reciprocal, offset } = slabs;
+    [
+        [simd.splat(reciprocal.x), simd.splat(offset.x)],
+        [simd.splat(reciprocal.y), simd.splat(offset.y)],
+        [simd.splat(reciprocal.z), simd.splat(offset.z)],
+    ]
 }

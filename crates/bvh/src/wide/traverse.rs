@@ -6,6 +6,7 @@
 //! the best hit, rounded: at the same rounded `t` it may still hold a triangle that is nearer before rounding, or one with a smaller
 //! number. So the answer is that of testing every triangle, at every level of instructions.
 
+use std::hint::black_box;
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
@@ -15,12 +16,12 @@ use tahko_geometry::{
     FusedRay, HitCollector, Precision, Ray, TraversalCounter, Traverse, TriangleKernel,
 };
 
-use super::access::{View, with_view};
+use super::access::{Source, View, with_source};
 use super::batch::Batch;
 use super::leaf::Leaf;
 use super::node::Node;
 use super::order::nearest_child;
-use super::slabs::{SlabConstants, Slabs};
+use super::slabs::Slabs;
 use super::stack::Stack;
 use super::{Child, Kind};
 use crate::Bvh;
@@ -36,8 +37,8 @@ impl Traverse for Bvh {
         collector: &mut H,
         counter: &mut C,
     ) {
-        with_view!(self.layout(), bvh => self.simd().dispatch(Traversal::<K, H, C, _> {
-            bvh,
+        with_source!(self.layout(), source => self.simd().dispatch(Traversal::<K, H, C, _> {
+            source,
             ray,
             kernel: PhantomData,
             collector,
@@ -52,8 +53,8 @@ impl Traverse for Bvh {
         collector: &mut H,
         counter: &mut C,
     ) -> H::Answer {
-        with_view!(self.layout(), bvh => self.simd().dispatch(Search::<K, H, C, _> {
-            bvh,
+        with_source!(self.layout(), source => self.simd().dispatch(Search::<K, H, C, _> {
+            source,
             ray,
             kernel: PhantomData,
             collector,
@@ -62,8 +63,8 @@ impl Traverse for Bvh {
     }
 
     fn answers<K: TriangleKernel, H: HitCollector>(&self, rays: &[Ray], answers: &mut [H::Answer]) {
-        with_view!(self.layout(), bvh => self.simd().dispatch(Batch::<K, H, _> {
-            bvh,
+        with_source!(self.layout(), source => self.simd().dispatch(Batch::<K, H, _> {
+            bvh: source.view(),
             rays,
             answers,
             kernel: PhantomData,
@@ -72,12 +73,12 @@ impl Traverse for Bvh {
 }
 
 /// A traversal and the answer, both with the instructions of the level.
-pub(super) struct Search<'a, K, H, C, N> {
-    pub(super) bvh: View<'a, N>,
-    pub(super) ray: &'a Ray,
-    pub(super) kernel: PhantomData<K>,
-    pub(super) collector: &'a mut H,
-    pub(super) counter: &'a mut C,
+struct Search<'a, K, H, C, N> {
+    source: Source<'a, N>,
+    ray: &'a Ray,
+    kernel: PhantomData<K>,
+    collector: &'a mut H,
+    counter: &'a mut C,
 }
 
 impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
@@ -87,20 +88,16 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> H::Answer {
-        let traversal = Traversal {
-            bvh: self.bvh,
-            ray: self.ray,
-            kernel: self.kernel,
-            collector: &mut *self.collector,
-            counter: &mut *self.counter,
-        };
-        traversal.with_simd(simd);
-        self.collector.finish::<K, C>(self.ray, self.counter)
+        let Self { source, ray, .. } = self;
+        let view = source.view();
+        search::<S, K, H, C, N>(simd, view, ray, &mut *self.collector, &mut *self.counter);
+        self.collector.finish::<K, C>(ray, self.counter)
     }
 }
 
+/// A traversal alone.
 struct Traversal<'a, K, H, C, N> {
-    bvh: View<'a, N>,
+    source: Source<'a, N>,
     ray: &'a Ray,
     kernel: PhantomData<K>,
     collector: &'a mut H,
@@ -114,35 +111,41 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self {
-            bvh,
-            ray,
-            collector,
-            counter,
-            ..
-        } = self;
-        if bvh.root == Child::NOTHING {
-            return;
-        }
-        let fused = FusedRay::new(ray, bvh.size, K::REACH);
-        let filter = K::Block::new(ray, &fused);
-        let way = Way::<K, H, C, N> {
-            bvh,
-            ray,
-            slabs: &SlabConstants::new(&fused, ray.t_min),
-            filter: &filter,
-            collector,
-            counter,
-        };
-        let (ControlFlow::Break(()) | ControlFlow::Continue(())) = way.search(simd, bvh.root);
+        let view = self.source.view();
+        search::<S, K, H, C, N>(simd, view, self.ray, self.collector, self.counter);
     }
+}
+
+/// Offers the triangles that a valid ray may hit to a collector.
+#[inline(always)]
+pub(super) fn search<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node>(
+    simd: S,
+    bvh: View<'_, N>,
+    ray: &Ray,
+    collector: &mut H,
+    counter: &mut C,
+) {
+    if bvh.root == Child::NOTHING {
+        return;
+    }
+    let fused = FusedRay::new(ray, bvh.size, K::REACH);
+    let filter = K::Block::new(ray, &fused);
+    let way = Way::<K, H, C, N> {
+        bvh,
+        ray,
+        fused: &fused,
+        filter: &filter,
+        collector,
+        counter,
+    };
+    let (ControlFlow::Break(()) | ControlFlow::Continue(())) = way.search(simd, bvh.root);
 }
 
 /// A ray's way through a subtree.
 pub(super) struct Way<'a, K: TriangleKernel, H, C, N> {
     pub(super) bvh: View<'a, N>,
     pub(super) ray: &'a Ray,
-    pub(super) slabs: &'a SlabConstants,
+    pub(super) fused: &'a FusedRay,
     pub(super) filter: &'a K::Block,
     pub(super) collector: &'a mut H,
     pub(super) counter: &'a mut C,
@@ -155,19 +158,20 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> Way<'_, K
         let Self {
             bvh,
             ray,
-            slabs,
+            fused,
             filter,
             collector,
             counter,
         } = self;
-        let slabs = Slabs::new(simd, slabs);
         let mut room = Stack::room();
         let mut stack = Stack::new(&mut room);
         let mut t_max = collector.t_max();
         let mut current = below;
         loop {
-            // Nodes have a loop of their own, without calls: what they are tested with stays in registers.
+            // Nodes have a loop of their own, without calls: what they are tested with stays in registers. It is read anew after a leaf. Without the box
+            // the compiler would know the registers' contents from before and save them around the call, which is as much to read, and as much again to write.
             let limit = simd.splat(t_max);
+            let slabs = Slabs::new(simd, black_box(fused), ray.t_min);
             let first_block = loop {
                 counter.node_visit();
                 let index = match current.kind() {

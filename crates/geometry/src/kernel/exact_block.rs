@@ -93,7 +93,7 @@ impl BlockFilter for ExactBlockFilter {
         let z = Axis::dominant(ray.direction);
         let direction: &[f32; 3] = ray.direction.as_ref();
         let reciprocal: &[f32; 4] = fused.reciprocal.as_ref();
-        let along = direction[z as usize].abs();
+        let along = fused.largest;
         Self {
             z,
             origin: *ray.origin.as_ref(),

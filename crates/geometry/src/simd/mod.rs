@@ -192,7 +192,7 @@ impl AvailableSimd {
     #[inline]
     pub fn dispatch<T: WithSimd>(self, algorithm: T) -> T::Output {
         match self.0 {
-            Available::Portable => algorithm.with_simd(Portable),
+            Available::Portable => Portable.run(algorithm),
             #[cfg(target_arch = "x86_64")]
             Available::Avx2(simd) => simd.run(algorithm),
         }

@@ -6,6 +6,14 @@ use super::{LANES, Lanes, Simd, WithSimd};
 #[derive(Clone, Copy, Debug)]
 pub struct Portable;
 
+impl Portable {
+    /// Runs an algorithm in a function of its own: what it needs of the stack is not to be had by a caller that chooses another level.
+    #[inline(never)]
+    pub fn run<T: WithSimd>(self, algorithm: T) -> T::Output {
+        algorithm.with_simd(self)
+    }
+}
+
 #[inline(always)]
 fn map<T: Copy, R>(a: [T; LANES], b: [T; LANES], operation: impl Fn(T, T) -> R) -> [R; LANES] {
     std::array::from_fn(|lane| operation(a[lane], b[lane]))

@@ -6,7 +6,7 @@ use tahko_geometry::{
 };
 
 use super::*;
-use crate::wide::access::with_view;
+use crate::wide::access::with_source;
 use crate::{Bvh, BvhOptions, NodeFormat};
 
 /// The searches of a batch in turns, whatever the size of the tree.
@@ -15,8 +15,8 @@ where
     H::Answer: Clone + Default,
 {
     let mut answers = vec![H::Answer::default(); rays.len()];
-    with_view!(bvh.layout(), view => bvh.simd().dispatch(Turns(Batch::<K, H, _> {
-        bvh: view,
+    with_source!(bvh.layout(), source => bvh.simd().dispatch(Turns(Batch::<K, H, _> {
+        bvh: source.view(),
         rays,
         answers: &mut answers,
         kernel: PhantomData,
@@ -30,8 +30,8 @@ where
     H::Answer: Clone + Default,
 {
     let mut answers = vec![H::Answer::default(); rays.len()];
-    with_view!(bvh.layout(), view => bvh.simd().dispatch(Packets(Batch::<K, H, _> {
-        bvh: view,
+    with_source!(bvh.layout(), source => bvh.simd().dispatch(Packets(Batch::<K, H, _> {
+        bvh: source.view(),
         rays,
         answers: &mut answers,
         kernel: PhantomData,
