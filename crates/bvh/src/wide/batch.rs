@@ -131,21 +131,26 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Turns<'_, K, H, N
             };
             flights.push(Flight::new(bvh, index, ray, Stack::new(room)));
         }
-        while !flights.is_empty() {
-            let mut place = 0;
-            while place < flights.len() {
-                let flight = &mut flights[place];
-                if flight.step(simd, bvh).is_break() {
-                    answers[flight.index] = flight.collector.finish::<K, ()>(flight.ray, &mut ());
-                    match next_valid::<K, H>(&mut waiting, answers) {
-                        Some((index, ray)) => flight.start(bvh, index, ray),
-                        None => {
-                            flights.swap_remove(place);
-                            continue;
-                        }
-                    }
-                }
+        // While all places are taken no branch has to ask for the last one of them: in between are the branches of several rays, after which it would be foreseen wrongly.
+        let mut place = 0;
+        if let Ok(all) = <&mut [_; IN_FLIGHT]>::try_from(&mut *flights) {
+            while all[place % IN_FLIGHT]
+                .turn(simd, bvh, &mut waiting, answers)
+                .is_continue()
+            {
                 place += 1;
+            }
+            flights.swap_remove(place % IN_FLIGHT);
+        }
+        while !flights.is_empty() {
+            place = 0;
+            while place < flights.len() {
+                let turn = flights[place].turn(simd, bvh, &mut waiting, answers);
+                if turn.is_break() {
+                    flights.swap_remove(place);
+                } else {
+                    place += 1;
+                }
             }
         }
     }
@@ -194,6 +199,28 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         self.t_max = ray.t_max;
         self.stack.clear();
         self.child = bvh.root;
+    }
+
+    /// Gives the ray a step, and its place to another one after its last step. `Break` if no ray is left.
+    #[inline(always)]
+    fn turn<S: Simd, N: Node>(
+        &mut self,
+        simd: S,
+        bvh: View<'_, N>,
+        waiting: &mut impl Iterator<Item = (usize, &'a Ray)>,
+        answers: &mut [H::Answer],
+    ) -> ControlFlow<()> {
+        if self.step(simd, bvh).is_continue() {
+            return ControlFlow::Continue(());
+        }
+        answers[self.index] = self.collector.finish::<K, ()>(self.ray, &mut ());
+        match next_valid::<K, H>(waiting, answers) {
+            Some((index, ray)) => {
+                self.start(bvh, index, ray);
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
+        }
     }
 
     /// Visits one node or leaf. `Break` at the end of the search.
