@@ -3,6 +3,7 @@
 use crate::build::node::{BuildNode, Link, to_u32};
 use crate::build::reference::Bounds;
 use crate::build::{BinaryTree, MAX_DEPTH};
+use crate::huge_pages;
 use crate::parallel::collect;
 
 use super::search::Move;
@@ -32,12 +33,15 @@ impl PairTree {
     /// The upper part of a tree. Cost: O(n).
     pub(super) fn new(tree: &BinaryTree) -> Self {
         let measures = Measures::new(tree);
+        let inner = measures.counts.iter().filter(|count| **count > GROUP_SIZE);
+        let pair_count = 1 + inner.count();
         let mut pairs = Self {
-            bounds: vec![Bounds::EMPTY; 2],
-            links: vec![GROUP; 2],
-            heights: vec![0; 2],
-            parents: vec![0],
+            bounds: huge_pages::with_capacity(2 * pair_count),
+            links: huge_pages::with_capacity(2 * pair_count),
+            heights: Vec::with_capacity(2 * pair_count),
+            parents: Vec::with_capacity(pair_count),
         };
+        pairs.add_pair(0);
         let mut pending = vec![(0, ROOT)];
         while let Some((node, place)) = pending.pop() {
             let (bounds, link) = tree.node(node);
@@ -47,16 +51,21 @@ impl PairTree {
                 Link::Inner([first, second]) if measures.counts[node] > GROUP_SIZE => {
                     let next = pairs.len();
                     pairs.links[place] = to_u32(next);
-                    pairs.parents.push(to_u32(place));
-                    pairs.bounds.extend([Bounds::EMPTY; 2]);
-                    pairs.links.extend([GROUP; 2]);
-                    pairs.heights.extend([0; 2]);
+                    pairs.add_pair(place);
                     pending.extend([(second, next + 1), (first, next)]);
                 }
                 _ => pairs.links[place] = GROUP | to_u32(node),
             }
         }
         pairs
+    }
+
+    /// Adds two places, to be filled, for the children of a node.
+    fn add_pair(&mut self, parent: usize) {
+        self.parents.push(to_u32(parent));
+        self.bounds.extend([Bounds::EMPTY; 2]);
+        self.links.extend([GROUP; 2]);
+        self.heights.extend([0; 2]);
     }
 
     /// Places, used or not.
@@ -165,8 +174,8 @@ impl PairTree {
 
     /// Writes the nodes back depth first, and the references in the order of the leaves. Cost: O(n).
     pub(super) fn write_back(&self, tree: &mut BinaryTree) {
-        let mut nodes: Vec<BuildNode> = Vec::with_capacity(2 * tree.inner_count + 1);
-        let mut references = Vec::with_capacity(tree.references.len());
+        let mut nodes: Vec<BuildNode> = huge_pages::with_capacity(2 * tree.inner_count + 1);
+        let mut references = huge_pages::with_capacity(tree.references.len());
         // A second child waits together with the index of its parent, which links to it.
         let mut pending: Vec<(Source, Option<usize>)> = vec![(Source::Place(ROOT), None)];
         while let Some((source, parent)) = pending.pop() {
