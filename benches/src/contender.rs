@@ -36,7 +36,7 @@ pub(crate) struct Built {
     pub(crate) contenders: Vec<Box<dyn Contender>>,
     /// Memory that queries need, in bytes, where the library tells.
     pub(crate) bytes: Option<usize>,
-    /// What the tree looks like, where it is one of the project's.
+    /// What the tree looks like, where it is one of the project's, or the library shows it.
     pub(crate) tree: Option<TreeRow>,
 }
 

@@ -270,3 +270,30 @@ fn contenders_have_names_of_their_own() {
     let distinct: BTreeSet<_> = names.iter().collect();
     assert_eq!(distinct.len(), names.len(), "{names:?}");
 }
+
+#[test]
+fn embree_shows_its_trees() {
+    for mesh in meshes() {
+        for recipe in recipes(&[Library::Embree]).unwrap() {
+            let name = recipe.names().remove(0);
+            let tree = recipe.build(&mesh, 2).unwrap().tree;
+            if name.precision != "default" {
+                assert!(tree.is_none(), "{name:?} has the same tree");
+                continue;
+            }
+            let tree = tree.unwrap();
+            let references = tree.references_per_triangle;
+            let most = if name.preset == "high" { 1.2 } else { 1.0 };
+            assert!((1.0..=most).contains(&references), "{name:?}: {references}");
+            assert!(
+                tree.expected_inner_nodes >= 1.0,
+                "{name:?}: the root is always visited"
+            );
+            let leaves = tree.expected_leaves..=28.0 * tree.expected_leaves;
+            assert!(
+                leaves.contains(&tree.expected_triangle_tests),
+                "{name:?}: {tree:?}"
+            );
+        }
+    }
+}

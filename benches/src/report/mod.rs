@@ -107,11 +107,11 @@ pub(crate) struct BuildRow {
     pub(crate) seconds_all_threads: Sample,
     /// Memory that queries need; `None` where a library does not tell.
     pub(crate) bytes_per_triangle: Option<f64>,
-    /// What the tree looks like; `None` for other libraries.
+    /// What the tree looks like; `None` for libraries that do not show it.
     pub(crate) tree: Option<TreeRow>,
 }
 
-/// A tree of the project and its expected cost.
+/// A tree and its expected cost.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct TreeRow {
     pub(crate) nodes: usize,

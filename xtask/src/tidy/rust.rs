@@ -18,6 +18,7 @@ const UNSAFE_FILES: &[&str] = &[
     "benches/src/peers/embree/ffi.rs",
     "benches/src/peers/embree/scene.rs",
     "benches/src/peers/embree/trace.rs",
+    "benches/src/peers/embree/tree.rs",
     "benches/src/peers/tinybvh.rs",
     "crates/bvh/src/filling.rs",
     "crates/bvh/src/huge_pages.rs",

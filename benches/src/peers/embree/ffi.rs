@@ -22,6 +22,10 @@ pub(super) struct Scene(pub(super) *mut c_void);
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Geometry(pub(super) *mut c_void);
 
+#[repr(transparent)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Hierarchy(pub(super) *mut c_void);
+
 pub(super) const INVALID_ID: u32 = u32::MAX;
 
 pub(super) const PROPERTY_VERSION_MAJOR: c_int = 1;
@@ -137,7 +141,64 @@ impl Arguments {
     };
 }
 
+/// `RTCBuildPrimitive`.
+#[repr(C, align(32))]
+#[derive(Clone, Copy, Debug)]
+pub(super) struct BuildPrimitive {
+    pub(super) lower: [f32; 3],
+    pub(super) geometry: c_uint,
+    pub(super) upper: [f32; 3],
+    pub(super) primitive: c_uint,
+}
+
+/// `RTCBounds`; the fourth numbers are there for the alignment.
+#[repr(C, align(16))]
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    pub(super) lower: [f32; 4],
+    pub(super) upper: [f32; 4],
+}
+
+/// `RTCBuildArguments`.
+#[repr(C)]
+#[derive(Debug)]
+pub(super) struct BuildArguments {
+    pub(super) byte_size: usize,
+    pub(super) quality: c_int,
+    pub(super) flags: c_int,
+    pub(super) max_branching_factor: c_uint,
+    pub(super) max_depth: c_uint,
+    pub(super) sah_block_size: c_uint,
+    pub(super) min_leaf_size: c_uint,
+    pub(super) max_leaf_size: c_uint,
+    pub(super) traversal_cost: f32,
+    pub(super) intersection_cost: f32,
+    pub(super) hierarchy: Hierarchy,
+    pub(super) primitives: *mut BuildPrimitive,
+    pub(super) primitive_count: usize,
+    pub(super) primitive_capacity: usize,
+    pub(super) create_node: unsafe extern "C" fn(*mut c_void, c_uint, *mut c_void) -> *mut c_void,
+    pub(super) set_node_children:
+        unsafe extern "C" fn(*mut c_void, *const *mut c_void, c_uint, *mut c_void),
+    pub(super) set_node_bounds:
+        unsafe extern "C" fn(*mut c_void, *const *const Bounds, c_uint, *mut c_void),
+    pub(super) create_leaf:
+        unsafe extern "C" fn(*mut c_void, *const BuildPrimitive, usize, *mut c_void) -> *mut c_void,
+    pub(super) split_primitive: unsafe extern "C" fn(
+        *const BuildPrimitive,
+        c_uint,
+        f32,
+        *mut Bounds,
+        *mut Bounds,
+        *mut c_void,
+    ),
+    pub(super) progress: *const c_void,
+    pub(super) user: *mut c_void,
+}
+
 const _: () = {
+    assert!(size_of::<BuildPrimitive>() == 32, "RTCBuildPrimitive");
+    assert!(size_of::<Bounds>() == 32, "RTCBounds");
     assert!(size_of::<Ray>() == 48 && align_of::<Ray>() == 16, "RTCRay");
     assert!(size_of::<Hit>() == 48 && align_of::<Hit>() == 16, "RTCHit");
     assert!(
@@ -206,6 +267,9 @@ functions! {
     commit_geometry = b"rtcCommitGeometry\0": unsafe extern "C" fn(Geometry);
     attach_geometry = b"rtcAttachGeometry\0": unsafe extern "C" fn(Scene, Geometry) -> c_uint;
     release_geometry = b"rtcReleaseGeometry\0": unsafe extern "C" fn(Geometry);
+    new_hierarchy = b"rtcNewBVH\0": unsafe extern "C" fn(Device) -> Hierarchy;
+    build_hierarchy = b"rtcBuildBVH\0": unsafe extern "C" fn(*const BuildArguments) -> *mut c_void;
+    release_hierarchy = b"rtcReleaseBVH\0": unsafe extern "C" fn(Hierarchy);
     intersect1 = b"rtcIntersect1\0": unsafe extern "C" fn(Scene, *mut RayHit, *const Arguments);
     occluded1 = b"rtcOccluded1\0": unsafe extern "C" fn(Scene, *mut Ray, *const Arguments);
     intersect8 = b"rtcIntersect8\0": IntersectPacket<8>;

@@ -7,12 +7,15 @@ mod ffi;
 mod scene;
 #[expect(unsafe_code, reason = "hands rays to a C library")]
 mod trace;
+#[expect(unsafe_code, reason = "lets a C library build trees of its nodes")]
+mod tree;
 
 use std::env;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Instant;
 
 use anyhow::{Context, Result};
 use tahko_tracer::geometry::TriangleMesh;
@@ -104,6 +107,11 @@ impl Recipe for EmbreeRecipe {
         refuse_empty(mesh)?;
         let scene = Arc::new(Scene::build(self.embree, mesh, self.settings, threads)?);
         let bytes = scene.bytes;
+        // Robust scenes differ in how they are traced.
+        let tree = match self.settings.flags {
+            ffi::SCENE_NONE => Some(tree::measure(self.embree, mesh, self.settings, threads)?),
+            _ => None,
+        };
         let mut contenders: Vec<Box<dyn Contender>> = vec![Box::new(Single(Arc::clone(&scene)))];
         match self.embree.packet {
             16 => contenders.push(Box::new(Packets::<16>(scene))),
@@ -113,7 +121,15 @@ impl Recipe for EmbreeRecipe {
         Ok(Built {
             contenders,
             bytes: Some(bytes),
-            tree: None,
+            tree,
         })
+    }
+
+    fn time_build(&self, mesh: &TriangleMesh, threads: usize) -> Result<f64> {
+        let start = Instant::now();
+        let scene = Scene::build(self.embree, mesh, self.settings, threads)?;
+        let seconds = start.elapsed().as_secs_f64();
+        drop(scene);
+        Ok(seconds)
     }
 }

@@ -21,8 +21,8 @@ pub(super) struct Embree {
 }
 
 #[derive(Debug)]
-struct Device {
-    handle: ffi::Device,
+pub(super) struct Device {
+    pub(super) handle: ffi::Device,
     threads: usize,
     /// What the library has allocated and not freed.
     bytes: AtomicIsize,
@@ -73,7 +73,7 @@ impl Embree {
     ///
     /// A device builds in a task arena of its own. The size of the arena is the largest number of threads of all devices that exist when it
     /// is made: a device for few threads must be older than those for more.
-    fn device(&self, threads: usize) -> Result<&'static Device> {
+    pub(super) fn device(&self, threads: usize) -> Result<&'static Device> {
         let mut devices = locked(&self.devices);
         if let Some(device) = devices.iter().find(|device| device.threads == threads) {
             return Ok(device);
