@@ -1,7 +1,7 @@
 //! Splits by the surface area heuristic over bins of centroids.
 //!
 //! Source: Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007. Differs in binning
-//! all three axes, and in centroids that are scaled so that coordinates of any size can be binned.
+//! all three axes, in centroids that are scaled so that coordinates of any size can be binned, and in fewer bins for small nodes.
 
 use tahko_geometry::glam::{Vec3, Vec4};
 use tahko_geometry::simd::{AvailableSimd, Simd, WithSimd};
@@ -82,12 +82,12 @@ fn best_of<const N: usize>(
 ) -> Option<Candidate> {
     #[expect(clippy::cast_possible_truncation, reason = "at most 64")]
     let map = BinMap::new(extent, scale, bins as u16);
-    let (filled, cheapest) = if references.len() < PARALLEL_SIZE {
+    let (cost, axis, bin, bounds) = if references.len() < PARALLEL_SIZE {
         simd.dispatch(FillAndSplit::<N> {
             references,
             map,
             bins,
-        })
+        })?
     } else {
         let filled = reduce(
             references,
@@ -95,19 +95,18 @@ fn best_of<const N: usize>(
             &Bins::merged,
         );
         simd.dispatch(Cheapest {
-            filled,
+            filled: &filled,
             bins,
             scale,
-        })
+        })?
     };
-    let (cost, axis, bin) = cheapest?;
     Some(Candidate {
         cost: f64::from(cost) * scale.area_unit(),
         cut: Cut::Bin {
             map,
             axis,
             bin,
-            bounds: filled.sides(axis, bin),
+            bounds,
         },
     })
 }
@@ -126,30 +125,29 @@ impl<const N: usize> WithSimd for Fill<'_, N> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Bins<N> {
-        let mut filled = Bins::EMPTY;
+        let mut filled = Bins::empty(simd);
         filled.fill(simd, self.references, &self.map);
         filled
     }
 }
 
 /// Finds the cheapest split between bins that are filled.
-struct Cheapest<const N: usize> {
-    filled: Bins<N>,
+struct Cheapest<'a, const N: usize> {
+    filled: &'a Bins<N>,
     bins: usize,
     scale: CentroidScale,
 }
 
-impl<const N: usize> WithSimd for Cheapest<N> {
-    type Output = (Bins<N>, Option<BinSplit>);
+impl<const N: usize> WithSimd for Cheapest<'_, N> {
+    type Output = Option<BinSplit>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let cheapest = self.filled.cheapest(simd, self.bins, self.scale);
-        (self.filled, cheapest)
+    fn with_simd<S: Simd>(self, simd: S) -> Option<BinSplit> {
+        self.filled.cheapest(simd, self.bins, self.scale)
     }
 }
 
-/// Both, for nodes of few references.
+/// Both, for nodes of few references: the bins are not moved.
 struct FillAndSplit<'a, const N: usize> {
     references: &'a [Reference],
     map: BinMap,
@@ -157,14 +155,13 @@ struct FillAndSplit<'a, const N: usize> {
 }
 
 impl<const N: usize> WithSimd for FillAndSplit<'_, N> {
-    type Output = (Bins<N>, Option<BinSplit>);
+    type Output = Option<BinSplit>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
-        let mut filled = Bins::EMPTY;
+    fn with_simd<S: Simd>(self, simd: S) -> Option<BinSplit> {
+        let mut filled = Bins::<N>::empty(simd);
         filled.fill(simd, self.references, &self.map);
-        let cheapest = filled.cheapest(simd, self.bins, self.map.scale);
-        (filled, cheapest)
+        filled.cheapest(simd, self.bins, self.map.scale)
     }
 }
 

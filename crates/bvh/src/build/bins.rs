@@ -10,9 +10,9 @@ use super::binned::BinMap;
 use super::paired::PairedBounds;
 use super::reference::{Bounds, CentroidScale, Reference};
 
-/// The cheapest split: its cost, that is the sum over both sides of their half area in scaled units times their number, its axis, and the bin before
-/// which it splits.
-pub(super) type BinSplit = (f32, usize, usize);
+/// The cheapest split: its cost, that is the sum over both sides of their half area in scaled units times their number, its axis, the bin before
+/// which it splits, and the boxes around the bins before it and around the others.
+pub(super) type BinSplit = (f32, usize, usize, [Bounds; 2]);
 
 /// What is in the bins of each axis.
 pub(super) struct Bins<const N: usize> {
@@ -22,10 +22,13 @@ pub(super) struct Bins<const N: usize> {
 }
 
 impl<const N: usize> Bins<N> {
-    pub(super) const EMPTY: Self = Self {
-        bounds: [[PairedBounds::EMPTY; N]; 3],
-        counts: [[0; 4]; N],
-    };
+    #[inline(always)]
+    pub(super) fn empty<S: Simd>(simd: S) -> Self {
+        Self {
+            bounds: [[PairedBounds::empty(simd); N]; 3],
+            counts: [[0; 4]; N],
+        }
+    }
 
     /// References of the first and of the second half take turns: neighbours in the list often fall into the same bin, and what has just
     /// been written to it would have to be waited for.
@@ -63,15 +66,6 @@ impl<const N: usize> Bins<N> {
             *own += other;
         }
         self
-    }
-
-    /// The boxes around the bins before a bin and around the others.
-    pub(super) fn sides(&self, axis: usize, bin: usize) -> [Bounds; 2] {
-        let (first, second) = self.bounds[axis].split_at(bin);
-        [first, second].map(|bins| {
-            let boxes = bins.iter().copied().map(PairedBounds::to_bounds);
-            boxes.fold(Bounds::EMPTY, Bounds::union)
-        })
     }
 
     /// The cheapest split; `None` if each axis has all references in one bin. The lanes of the vectors are the axes.
@@ -114,7 +108,19 @@ impl<const N: usize> Bins<N> {
             reason = "a number of at most 64"
         )]
         let bin = best_bins[axis] as usize;
-        (best[axis] < f32::INFINITY).then_some((best[axis], axis, bin))
+        if best[axis] < f32::INFINITY {
+            Some((best[axis], axis, bin, self.sides(simd, bins, axis, bin)))
+        } else {
+            None
+        }
+    }
+
+    /// The boxes around the bins before a bin and around the others.
+    #[inline(always)]
+    fn sides<S: Simd>(&self, simd: S, bins: usize, axis: usize, bin: usize) -> [Bounds; 2] {
+        let (first, second) = self.bounds[axis][..bins].split_at(bin);
+        let first = PairedBounds::around(simd, first);
+        [first, PairedBounds::around(simd, second)].map(PairedBounds::to_bounds)
     }
 }
 
@@ -128,7 +134,7 @@ impl<S: Simd> Sides<S> {
     #[inline(always)]
     fn empty(simd: S) -> Self {
         Self {
-            bounds: [PairedBounds::EMPTY.lanes(simd); 3],
+            bounds: [simd.splat(f32::INFINITY); 3],
             counts: [0; 4],
         }
     }

@@ -12,6 +12,12 @@ pub(super) struct PairedBounds(Lanes);
 impl PairedBounds {
     pub(super) const EMPTY: Self = Self(Lanes::splat(f32::INFINITY));
 
+    /// The same, not as a constant: many would be copied from one that is as large.
+    #[inline(always)]
+    pub(super) fn empty<S: Simd>(simd: S) -> Self {
+        Self(simd.store(simd.splat(f32::INFINITY)))
+    }
+
     #[inline(always)]
     pub(super) fn lanes<S: Simd>(&self, simd: S) -> S::F32s {
         simd.load(&self.0)
@@ -21,6 +27,16 @@ impl PairedBounds {
     #[inline(always)]
     pub(super) fn with<S: Simd>(&self, simd: S, other: S::F32s) -> Self {
         Self(simd.store(simd.min(self.lanes(simd), other)))
+    }
+
+    /// The box around some boxes.
+    #[inline(always)]
+    pub(super) fn around<S: Simd>(simd: S, boxes: &[Self]) -> Self {
+        let mut around = simd.splat(f32::INFINITY);
+        for bounds in boxes {
+            around = simd.min(around, bounds.lanes(simd));
+        }
+        Self(simd.store(around))
     }
 
     pub(super) fn to_bounds(self) -> Bounds {

@@ -266,3 +266,20 @@ fn bins_for(count: usize, most: usize) -> usize {
 fn ceil_log2(count: usize) -> usize {
     count.next_power_of_two().trailing_zeros() as usize
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_are_within_what_the_options_and_the_node_allow() {
+        for most in 2..=BvhOptions::MAX_BINS {
+            for count in 2..=3 * most {
+                let bins = bins_for(count, most);
+                let allowed = 2..=most.min(count.max(4));
+                assert!(allowed.contains(&bins), "{count} of {most}: {bins}");
+            }
+            assert_eq!(bins_for(2 * most.max(2), most), most, "large nodes");
+        }
+    }
+}
