@@ -10,12 +10,16 @@ use super::reference::{Bounds, CentroidScale};
 pub(super) struct PairedBounds(Lanes);
 
 impl PairedBounds {
-    pub(super) const EMPTY: Self = Self(Lanes::splat(f32::INFINITY));
-
-    /// The same, not as a constant: many would be copied from one that is as large.
+    /// The box of nothing. Not a constant: many would be copied from one that is as large.
     #[inline(always)]
     pub(super) fn empty<S: Simd>(simd: S) -> Self {
-        Self(simd.store(simd.splat(f32::INFINITY)))
+        Self::of(simd, simd.splat(f32::INFINITY))
+    }
+
+    /// The box that a vector holds.
+    #[inline(always)]
+    pub(super) fn of<S: Simd>(simd: S, lanes: S::F32s) -> Self {
+        Self(simd.store(lanes))
     }
 
     #[inline(always)]
@@ -26,7 +30,7 @@ impl PairedBounds {
     /// The box around this one and another.
     #[inline(always)]
     pub(super) fn with<S: Simd>(&self, simd: S, other: S::F32s) -> Self {
-        Self(simd.store(simd.min(self.lanes(simd), other)))
+        Self::of(simd, simd.min(self.lanes(simd), other))
     }
 
     /// The box around some boxes.
@@ -36,7 +40,7 @@ impl PairedBounds {
         for bounds in boxes {
             around = simd.min(around, bounds.lanes(simd));
         }
-        Self(simd.store(around))
+        Self::of(simd, around)
     }
 
     pub(super) fn to_bounds(self) -> Bounds {

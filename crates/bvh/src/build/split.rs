@@ -87,6 +87,10 @@ struct Partition<'a> {
     bin: usize,
 }
 
+/// The larger of a point of a [`PairedBounds`] and a gate is the point, or what no box is changed by. For a point of the first side the gates of the two boxes are
+/// in the first two places, for one of the second in the last two.
+const GATES: [f32; 3] = [f32::NEG_INFINITY, f32::INFINITY, f32::NEG_INFINITY];
+
 impl WithSimd for Partition<'_> {
     type Output = (usize, [Bounds; 2]);
 
@@ -100,8 +104,7 @@ impl WithSimd for Partition<'_> {
             bin,
         } = self;
         let bin = bin as f32;
-        // Two boxes per side, taken in turns: a box that has just been written must not be waited for.
-        let mut centroids = [PairedBounds::EMPTY; 4];
+        let mut centroids = [simd.splat(f32::INFINITY); 2];
         let mut middle = 0;
         // Nothing here depends on the side by a branch, which would be mispredicted every other time.
         for index in 0..references.len() {
@@ -109,16 +112,22 @@ impl WithSimd for Partition<'_> {
             let lanes = simd.load(references[index].lanes());
             let centroid = scale.centroid_of(simd, lanes);
             let is_first = map.is_before(centroid, axis, bin);
-            let side = usize::from(!is_first) + index % 2 * 2;
+            // Both boxes stay in registers: where a side is chosen by an index, what has just been written must be waited for.
             let point = Bounds::between(centroid, centroid).paired(simd);
-            centroids[side] = centroids[side].with(simd, point);
+            let side = usize::from(!is_first);
+            let [first, second] = [GATES[side], GATES[side + 1]];
+            centroids[0] = simd.min(centroids[0], simd.max(point, simd.splat(first)));
+            centroids[1] = simd.min(centroids[1], simd.max(point, simd.splat(second)));
             let moved = simd.load(references[middle].lanes());
             references[index] = Reference::of_lanes(simd.store(moved));
             references[middle] = Reference::of_lanes(simd.store(lanes));
             middle += usize::from(is_first);
         }
-        let [first, second, others @ ..] = centroids.map(PairedBounds::to_bounds);
-        (middle, [first.union(others[0]), second.union(others[1])])
+        let [first, second] = [
+            PairedBounds::of(simd, centroids[0]),
+            PairedBounds::of(simd, centroids[1]),
+        ];
+        (middle, [first.to_bounds(), second.to_bounds()])
     }
 }
 
