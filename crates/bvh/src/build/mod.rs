@@ -5,11 +5,13 @@
 //! the number of threads nor their timing can show in the tree.
 
 mod binned;
+mod bins;
 mod clusters;
 mod join;
 mod memory;
 mod morton;
 mod node;
+mod paired;
 mod radix;
 mod reference;
 mod reinsertion;

@@ -1,5 +1,6 @@
 //! What the builders move and measure: references to triangles, their boxes and centroids.
 
+use tahko_geometry::simd::Lanes;
 use tahko_geometry::{
     Aabb, TriangleMesh,
     glam::{BVec4A, Vec3, Vec4, Vec4Swizzles},
@@ -13,12 +14,9 @@ const _: () = assert!(
     "a number with the tag must not be NaN or infinite"
 );
 
-/// A triangle's box and number, 32 bytes that move as two vectors.
+/// A triangle's box and number, 32 bytes that move as one vector: the lanes of [`PairedBounds`], and in the fourth one the number.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Reference {
-    lower: Vec4,
-    upper: Vec4,
-}
+pub(super) struct Reference(Lanes);
 
 impl Reference {
     /// A reference to a triangle of a mesh.
@@ -33,33 +31,46 @@ impl Reference {
         reason = "meshes have at most 2^29 triangles"
     )]
     #[inline]
-    pub(super) fn of_box(Aabb { min, max }: &Aabb, number: usize) -> Self {
-        Self {
-            lower: min.extend(f32::from_bits(number as u32 | NUMBER_TAG)),
-            upper: max.extend(0.0),
-        }
+    pub(super) fn of_box(bounds: &Aabb, number: usize) -> Self {
+        Self::of_bounds(&Bounds::new(bounds), number as u32 | NUMBER_TAG)
+    }
+
+    #[inline]
+    fn of_bounds(bounds: &Bounds, tagged: u32) -> Self {
+        let ([a, b, c, _], [e, f, g, _]) = (bounds.lower.to_array(), (-bounds.upper).to_array());
+        Self(Lanes([a, b, c, f32::from_bits(tagged), e, f, g, 0.0]))
     }
 
     /// A reference to the same triangle with another box.
     pub(super) fn with_bounds(&self, bounds: &Bounds) -> Self {
-        Self {
-            lower: bounds.lower.xyz().extend(self.lower.w),
-            upper: bounds.upper.xyz().extend(self.upper.w),
+        Self::of_bounds(bounds, self.0.0[3].to_bits())
+    }
+
+    #[inline(always)]
+    pub(super) fn bounds(&self) -> Bounds {
+        let [a, b, c, d, e, f, g, h] = self.0.0;
+        Bounds {
+            lower: Vec4::from_array([a, b, c, d]),
+            upper: -Vec4::from_array([e, f, g, h]),
         }
     }
 
-    #[inline]
-    pub(super) const fn bounds(&self) -> Bounds {
-        Bounds {
-            lower: self.lower,
-            upper: self.upper,
-        }
+    /// The lower corner, and the upper one with the opposite sign, as one vector.
+    #[inline(always)]
+    pub(super) const fn lanes(&self) -> &Lanes {
+        &self.0
+    }
+
+    /// A reference by its [`lanes`](Self::lanes).
+    #[inline(always)]
+    pub(super) const fn of_lanes(lanes: Lanes) -> Self {
+        Self(lanes)
     }
 
     /// The triangle's index in the mesh, or the number of what the box is around.
     #[inline]
     pub(super) fn number(&self) -> u32 {
-        self.lower.w.to_bits() & !NUMBER_TAG
+        self.0.0[3].to_bits() & !NUMBER_TAG
     }
 }
 
@@ -86,8 +97,7 @@ impl Bounds {
 
     #[inline]
     pub(super) fn add(&mut self, reference: &Reference) {
-        self.lower = self.lower.min(reference.lower);
-        self.upper = self.upper.max(reference.upper);
+        *self = self.union(reference.bounds());
     }
 
     #[inline]
@@ -146,12 +156,19 @@ impl Bounds {
         Reference::of_box(&self.to_aabb(), number)
     }
 
+    #[inline(always)]
     pub(super) fn lower(&self) -> Vec4 {
         self.lower
     }
 
+    #[inline(always)]
     pub(super) fn upper(&self) -> Vec4 {
         self.upper
+    }
+
+    /// A box by its corners.
+    pub(super) const fn between(lower: Vec4, upper: Vec4) -> Self {
+        Self { lower, upper }
     }
 
     /// Edge lengths of a box that is not empty.
@@ -188,21 +205,20 @@ impl CentroidScale {
 
     /// Twice the centre of a reference's box, scaled. Rounded, and the same for the same reference: it steers
     /// the build and decides nothing else.
-    #[inline]
+    #[inline(always)]
     pub(super) fn centroid(self, reference: &Reference) -> Vec4 {
-        reference.lower * self.0 + reference.upper * self.0
-    }
-
-    /// One component of [`centroid`](Self::centroid).
-    #[inline]
-    pub(super) fn centroid_on(self, reference: &Reference, axis: usize) -> f32 {
-        reference.lower[axis] * self.0 + reference.upper[axis] * self.0
+        let Bounds { lower, upper } = reference.bounds();
+        lower * self.0 + upper * self.0
     }
 
     /// Edge lengths of a box in scaled units; the fourth lane means nothing.
     #[inline]
     pub(super) fn extent(self, bounds: &Bounds) -> Vec4 {
         bounds.upper * self.0 - bounds.lower * self.0
+    }
+
+    pub(super) const fn factor(self) -> f32 {
+        self.0
     }
 
     /// What [`half_area`](Self::half_area) counts in.

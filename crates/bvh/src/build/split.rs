@@ -2,7 +2,10 @@
 
 use std::cmp::Ordering;
 
+use tahko_geometry::simd::{AvailableSimd, Simd, WithSimd};
+
 use super::binned::BinMap;
+use super::paired::PairedBounds;
 use super::reference::{Bounds, CentroidScale, Extent, Reference};
 
 /// A way to split a node.
@@ -33,7 +36,12 @@ pub(super) struct Parts {
 }
 
 impl Cut {
-    pub(super) fn apply(self, references: &mut [Reference], scale: CentroidScale) -> Parts {
+    pub(super) fn apply(
+        self,
+        references: &mut [Reference],
+        scale: CentroidScale,
+        simd: AvailableSimd,
+    ) -> Parts {
         match self {
             Self::Bin {
                 map,
@@ -41,8 +49,12 @@ impl Cut {
                 bin,
                 bounds,
             } => {
-                let (middle, centroids) = partition(references, scale, |reference| {
-                    map.bin(reference, axis) < bin
+                let (middle, centroids) = simd.dispatch(Partition {
+                    references,
+                    scale,
+                    map,
+                    axis,
+                    bin,
                 });
                 let [first, second] = [0, 1].map(|side| Extent {
                     bounds: bounds[side],
@@ -66,28 +78,57 @@ impl Cut {
     }
 }
 
-/// Moves the references that belong to the first side to the front; their number, and the boxes around the centroids
-/// of either side.
-fn partition(
-    references: &mut [Reference],
+/// Moves the references in the bins before one to the front; their number, and the boxes around the centroids of either side.
+struct Partition<'a> {
+    references: &'a mut [Reference],
     scale: CentroidScale,
-    is_first: impl Fn(&Reference) -> bool,
-) -> (usize, [Bounds; 2]) {
-    // Two boxes per side, taken in turns: a box that has just been written must not be waited for.
-    let mut centroids = [Bounds::EMPTY; 4];
-    let mut middle = 0;
-    // Nothing here depends on the side by a branch, which would be mispredicted every other time.
-    for index in 0..references.len() {
-        let is_first = is_first(&references[index]);
-        let reference = references[index];
-        let side = usize::from(!is_first) + index % 2 * 2;
-        centroids[side].add_point(scale.centroid(&reference));
-        references[index] = references[middle];
-        references[middle] = reference;
-        middle += usize::from(is_first);
+    map: BinMap,
+    axis: usize,
+    bin: usize,
+}
+
+/// The larger of a point of a [`PairedBounds`] and a gate is the point, or what no box is changed by. For a point of the first side the gates of the two boxes are
+/// in the first two places, for one of the second in the last two.
+const GATES: [f32; 3] = [f32::NEG_INFINITY, f32::INFINITY, f32::NEG_INFINITY];
+
+impl WithSimd for Partition<'_> {
+    type Output = (usize, [Bounds; 2]);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self {
+            references,
+            scale,
+            map,
+            axis,
+            bin,
+        } = self;
+        let bin = bin as f32;
+        let mut centroids = [simd.splat(f32::INFINITY); 2];
+        let mut middle = 0;
+        // Nothing here depends on the side by a branch, which would be mispredicted every other time.
+        for index in 0..references.len() {
+            // Stored as it was loaded, as one vector: it may soon be loaded again.
+            let lanes = simd.load(references[index].lanes());
+            let centroid = scale.centroid_of(simd, lanes);
+            let is_first = map.is_before(centroid, axis, bin);
+            // Both boxes stay in registers: where a side is chosen by an index, what has just been written must be waited for.
+            let point = Bounds::between(centroid, centroid).paired(simd);
+            let side = usize::from(!is_first);
+            let [first, second] = [GATES[side], GATES[side + 1]];
+            centroids[0] = simd.min(centroids[0], simd.max(point, simd.splat(first)));
+            centroids[1] = simd.min(centroids[1], simd.max(point, simd.splat(second)));
+            let moved = simd.load(references[middle].lanes());
+            references[index] = Reference::of_lanes(simd.store(moved));
+            references[middle] = Reference::of_lanes(simd.store(lanes));
+            middle += usize::from(is_first);
+        }
+        let [first, second] = [
+            PairedBounds::of(simd, centroids[0]),
+            PairedBounds::of(simd, centroids[1]),
+        ];
+        (middle, [first.to_bounds(), second.to_bounds()])
     }
-    let [first, second, others @ ..] = centroids;
-    (middle, [first.union(others[0]), second.union(others[1])])
 }
 
 /// Cuts in the middle of the order along an axis: works on any references, whatever their centroids, and

@@ -2,6 +2,7 @@
 //! leaf where no split is cheaper.
 
 use tahko_geometry::Axis;
+use tahko_geometry::simd::AvailableSimd;
 
 use super::node::{BuildNode, Link, concatenate};
 use super::reference::{Bounds, CentroidScale, Extent, Reference};
@@ -47,6 +48,7 @@ pub(super) struct Builder<'a> {
     pub(super) scale: CentroidScale,
     max_depth: usize,
     pub(super) work: Work<'a>,
+    pub(super) simd: AvailableSimd,
 }
 
 /// Where a subtree stands in the tree.
@@ -122,6 +124,7 @@ impl<'a> Builder<'a> {
             scale: CentroidScale::new(&bounds.to_aabb()),
             max_depth,
             work: *work,
+            simd: AvailableSimd::best(),
         }
     }
 
@@ -210,7 +213,7 @@ impl<'a> Builder<'a> {
                 split::median(references, axis as usize, self.scale)
             }
         };
-        Some(cut.apply(references, self.scale))
+        Some(cut.apply(references, self.scale, self.simd))
     }
 
     /// The cheapest split; `None` if there is none, or no depth left for an unbalanced one.
@@ -229,8 +232,8 @@ impl<'a> Builder<'a> {
         } else if count <= self.options.sweep_size {
             sweep::best(references, self.scale)
         } else {
-            let bins = self.options.bins.min(count.max(4));
-            binned::best(references, extent, self.scale, bins)
+            let bins = bins_for(count, self.options.bins);
+            binned::best(references, extent, self.scale, bins, self.simd)
         }
     }
 
@@ -248,7 +251,35 @@ impl<'a> Builder<'a> {
     }
 }
 
+/// The bins on each axis for a node of some references: half of the most where it has less than two for each of those, and not more
+/// than references. Measured with 16 bins: 3 to 4 % less time for the binary tree, and its cost moved by -0.2 to +0.3 %.
+fn bins_for(count: usize, most: usize) -> usize {
+    let bins = if count < 2 * most {
+        most.div_ceil(2)
+    } else {
+        most
+    };
+    bins.min(count.max(4)).max(2)
+}
+
 /// The number of halvings that take `count` to one.
 fn ceil_log2(count: usize) -> usize {
     count.next_power_of_two().trailing_zeros() as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bins_are_within_what_the_options_and_the_node_allow() {
+        for most in 2..=BvhOptions::MAX_BINS {
+            for count in 2..=3 * most {
+                let bins = bins_for(count, most);
+                let allowed = 2..=most.min(count.max(4));
+                assert!(allowed.contains(&bins), "{count} of {most}: {bins}");
+            }
+            assert_eq!(bins_for(2 * most.max(2), most), most, "large nodes");
+        }
+    }
 }

@@ -80,6 +80,27 @@ impl Simd for Avx2 {
         lanes
     }
     #[inline(always)]
+    fn halves(self, lower: [f32; 4], upper: [f32; 4]) -> __m256 {
+        intrinsic!(_mm256_set_m128(
+            _mm_loadu_ps(upper.as_ptr()),
+            _mm_loadu_ps(lower.as_ptr())
+        ))
+    }
+    #[inline(always)]
+    fn to_halves(self, value: __m256) -> [[f32; 4]; 2] {
+        let mut halves = [[0.0; 4]; 2];
+        let [lower, upper] = &mut halves;
+        intrinsic!(_mm_storeu_ps(
+            lower.as_mut_ptr(),
+            _mm256_castps256_ps128(value)
+        ));
+        intrinsic!(_mm_storeu_ps(
+            upper.as_mut_ptr(),
+            _mm256_extractf128_ps::<1>(value)
+        ));
+        halves
+    }
+    #[inline(always)]
     fn add(self, a: __m256, b: __m256) -> __m256 {
         intrinsic!(_mm256_add_ps(a, b))
     }

@@ -65,6 +65,10 @@ pub trait Simd: Copy {
     fn load_u8(self, numbers: &[u8; LANES]) -> Self::F32s;
     /// Puts the numbers into memory.
     fn store(self, value: Self::F32s) -> Lanes;
+    /// The first four numbers in the lower lanes, the others in the upper ones.
+    fn halves(self, lower: [f32; LANES / 2], upper: [f32; LANES / 2]) -> Self::F32s;
+    /// The four lower lanes, and the four upper ones.
+    fn to_halves(self, value: Self::F32s) -> [[f32; LANES / 2]; 2];
 
     /// `a + b`
     fn add(self, a: Self::F32s, b: Self::F32s) -> Self::F32s;

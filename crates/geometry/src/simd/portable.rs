@@ -40,6 +40,14 @@ impl Simd for Portable {
         Lanes(value)
     }
     #[inline(always)]
+    fn halves(self, [a, b, c, d]: [f32; 4], [e, f, g, h]: [f32; 4]) -> Self::F32s {
+        [a, b, c, d, e, f, g, h]
+    }
+    #[inline(always)]
+    fn to_halves(self, [a, b, c, d, e, f, g, h]: Self::F32s) -> [[f32; 4]; 2] {
+        [[a, b, c, d], [e, f, g, h]]
+    }
+    #[inline(always)]
     fn add(self, a: Self::F32s, b: Self::F32s) -> Self::F32s {
         map(a, b, |a, b| a + b)
     }

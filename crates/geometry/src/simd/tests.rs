@@ -22,6 +22,10 @@ impl WithSimd for Operations {
         let (less, not_more) = (simd.lt(x, y), simd.le(y, z));
         vec![
             ("load and store", lanes(x)),
+            ("halves", {
+                let [lower, upper] = simd.to_halves(x);
+                lanes(simd.halves(upper, lower))
+            }),
             ("splat", lanes(simd.splat(a.0[0]))),
             ("add", lanes(simd.add(x, y))),
             ("sub", lanes(simd.sub(x, y))),

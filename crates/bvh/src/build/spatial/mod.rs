@@ -211,7 +211,9 @@ impl SpatialBuilder<'_> {
             None => return Some(self.halves(references, extent)),
         };
         let cost = candidate.cost;
-        let parts = candidate.cut.apply(references, self.base.scale);
+        let parts = candidate
+            .cut
+            .apply(references, self.base.scale, self.base.simd);
         let parts = SpatialParts::of_object_split(&parts, count);
         if !self.may_need_plane(&parts, buffer.len(), extent) {
             return Some(parts);
@@ -245,7 +247,7 @@ impl SpatialBuilder<'_> {
     fn halves(&self, references: &mut [Reference], extent: &Extent) -> SpatialParts {
         let axis = Axis::dominant(extent.centroids.extent());
         let cut = split::median(references, axis as usize, self.base.scale);
-        let parts = cut.apply(references, self.base.scale);
+        let parts = cut.apply(references, self.base.scale, self.base.simd);
         SpatialParts::of_object_split(&parts, references.len())
     }
 }
