@@ -4,12 +4,12 @@
 //! triangles that it tests in any tree over these references. A ray costs about `E + R` tests, where `R` stands for what it takes beside.
 //!
 //! **What pieces save.** The box of a triangle has half the area `A`, and the projections of the triangle along the axes have areas of which the sum is `a`: the boxes of its pieces cannot get
-//! below that. A sliver is cut across its length, and its boxes get thinner until they are as long as wide: their sum goes down by a part to some `2 a`. For triangles that are no slivers, `A <= 2 a`
-//! already when they lie across no axis, and little above it else. So of `s` pieces the areas are taken to have the sum `L + P / s`, with `L = min(A, 2 a)` and
+//! below that. A sliver is cut across its length, and its boxes get thinner until they are as long as wide: their sum goes down to some `2 a`. A triangle with a right angle in a
+//! plane across an axis has `A = 2 a`, as has one between three axes, and pieces of such do not help. So of `s` pieces the areas are taken to have the sum `L + P / s`, with `L = min(A, 2 a)` and
 //! the *potential* `P = A - L`. On slivers that is within 1 % of what comes out; pieces of triangles 10 times as long as wide are a sixth smaller.
 //!
 //! **How many there are.** The sum over all triangles with a given number of pieces in all is least where another piece saves the same everywhere: `P / s^2` is a common *price*, and
-//! `s` is the root of `P / price`, rounded down. Potentials are counted in a histogram of steps of 9 to 12.5 %, which tells what each price would give.
+//! `s` is the root of `P / price`, rounded down. Potentials are counted in a histogram of steps of 7 to 12.5 %, which tells what each price would give.
 //!
 //! **Which price.** Pieces cost memory, time to build, and cache misses: twice the references have to save a sixth of a ray's cost, for `(E + R) N^(1/4)` is made the least, `N` being the number of
 //! references, within what is allowed. And if it falls by less than a third nothing is cut at all: there spatial splits, which see what they do, are as good.
@@ -52,10 +52,11 @@ impl Price {
         if most <= references.len() {
             return None;
         }
-        let bounds = reduce(references, &Bounds::of, &Bounds::union);
+        let (bounds, area) = reduce(references, &bounds_and_area, &|a, b| {
+            (a.0.union(b.0), a.1 + b.1)
+        });
         let root_area = bounds.half_area();
-        let area = |chunk: &[Reference]| chunk.iter().map(|r| r.bounds().half_area()).sum::<f64>();
-        let met = reduce(references, &area, &|a, b| a + b) / root_area;
+        let met = area / root_area;
         // Most meshes end here, before their triangles are looked at; and those whose root has no area.
         let may_pay = met + REST >= LEAST_GAIN * REST;
         if !may_pay {
@@ -72,6 +73,15 @@ impl Price {
         let potential = potential(reference, mesh) / self.root_area;
         step(potential).map_or(1, |step| pieces(step, self.price))
     }
+}
+
+/// The box of some references, and the sum of the half areas of theirs.
+fn bounds_and_area(references: &[Reference]) -> (Bounds, f64) {
+    let start = (Bounds::EMPTY, 0.0);
+    references.iter().fold(start, |(bounds, area), reference| {
+        let whole = reference.bounds();
+        (bounds.union(whole), area + whole.half_area())
+    })
 }
 
 /// By how much the areas of a triangle's boxes may shrink, if it is cut in ever more pieces.
