@@ -1,7 +1,8 @@
 //! Rates of contenders that take turns.
 //!
-//! In a round every contender traces the same rays once, another one beginning each time, so that what slows the machine down slows all of them.
-//! A contender for which all rays would take longer than a turn traces pieces of them that are spread evenly over the set. Before each turn an eighth of its
+//! In a round every contender traces the same rays, another one beginning each time, so that what slows the machine down slows all of them.
+//! Where the slowest one would take longer than a turn for all rays, all of them trace the same pieces, which are spread evenly over the set and take it a turn: other rays would be
+//! other questions, easier or harder. Who is through in a small part of a turn traces them again. Before each turn an eighth of the
 //! pieces is traced untimed, to fill the caches. On one thread the time is the thread's own: what other programs take does not count.
 
 use std::hint::black_box;
@@ -19,7 +20,7 @@ use crate::report::{RayClass, Sample};
 pub(crate) struct Effort {
     /// Rounds in which the contenders take turns.
     pub(crate) rounds: usize,
-    /// About how long a turn takes at most, on each thread.
+    /// About how long a turn takes at most, on each thread; longer where [`FEWEST`] rays do.
     pub(crate) turn: Duration,
 }
 
@@ -54,8 +55,12 @@ const LARGEST_PIECE: usize = 4096;
 const SMALLEST_PIECE: usize = 64;
 /// Pieces at least, for each thread: they are spread over the set and among the threads.
 const PIECES: usize = 8;
+/// The fewest rays of a turn, however slow a contender is: so many say something about a class.
+const FEWEST: usize = PIECES * SMALLEST_PIECE;
 /// The part of the pieces that is traced untimed before each turn.
 const WARM_UP: usize = 8;
+/// A contender that is through in less than this part of a turn traces the rays again, until it takes as long: the shorter, the larger is the part of noise.
+const SHORTEST: f64 = 1.0 / 16.0;
 
 /// Million rays per second: for each contender one value a round. `advance` is told after each turn. There are rays.
 pub(crate) fn rates(
@@ -65,10 +70,7 @@ pub(crate) fn rates(
     effort: &Effort,
     advance: &dyn Fn(),
 ) -> Vec<Sample> {
-    let plans: Vec<Plan<'_>> = contenders
-        .iter()
-        .map(|contender| Plan::new(*contender, questions, threads, effort.turn))
-        .collect();
+    let plans = Plan::of_all(contenders, questions, threads, effort.turn);
     let mut rates = vec![Sample::default(); contenders.len()];
     for round in 0..effort.rounds {
         for turn in 0..contenders.len() {
@@ -81,46 +83,63 @@ pub(crate) fn rates(
 }
 
 /// The pieces that a contender traces in its turns.
+#[derive(Clone)]
 struct Plan<'a> {
     contender: &'a dyn Contender,
     class: RayClass,
     pieces: Vec<&'a [Ray]>,
     rays: usize,
+    /// How often it traces them in a turn.
+    passes: usize,
 }
 
 impl<'a> Plan<'a> {
-    fn new(
-        contender: &'a dyn Contender,
+    /// The plans of some contenders, with the same pieces for all.
+    fn of_all(
+        contenders: &[&'a dyn Contender],
         questions: Questions<'a>,
         threads: Threads<'_>,
         turn: Duration,
-    ) -> Self {
-        let Questions { class, rays } = questions;
-        // How fast is it, roughly? More and more rays, until they take a tenth of a turn.
-        let mut count = SMALLEST_PIECE.min(rays.len());
-        let rate = loop {
-            let sample = Self::spread(contender, questions, count, count.div_ceil(PIECES));
-            let seconds = sample.seconds(Threads::One);
-            if count >= rays.len() || seconds > 0.1 * turn.as_secs_f64() {
-                break sample.rays as f64 / seconds.max(f64::MIN_POSITIVE);
-            }
-            count = (count * 4).min(rays.len());
-        };
+    ) -> Vec<Self> {
+        let rates: Vec<f64> = contenders
+            .iter()
+            .map(|contender| Self::rough_rate(*contender, questions, turn))
+            .collect();
         let threads = threads.count();
-        let affordable = rate * turn.as_secs_f64() * threads as f64;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "clamped to a length"
-        )]
-        let count = affordable.clamp(1.0, rays.len() as f64) as usize;
+        let in_a_turn = turn.as_secs_f64() * threads as f64;
+        let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
+        let all = questions.rays.len();
+        let affordable = to_count(slowest * in_a_turn, all);
+        let count = affordable.clamp(FEWEST.min(all), all);
         let piece = (count / (PIECES * threads)).clamp(SMALLEST_PIECE, LARGEST_PIECE);
-        let mut plan = Self::spread(contender, questions, count, piece);
-        plan.class = class;
-        plan
+        let plan = |(contender, rate): (&&'a dyn Contender, f64)| {
+            let mut plan = Self::spread(*contender, questions, count, piece);
+            // Half a pass too few is near enough.
+            let passes = to_count(
+                (rate * in_a_turn * SHORTEST / plan.rays as f64).round(),
+                all,
+            );
+            plan.passes = passes.max(1);
+            plan
+        };
+        contenders.iter().zip(rates).map(plan).collect()
     }
 
-    /// About `count` rays, in pieces that are spread evenly over the set.
+    /// How many rays a second, about, on one thread? More and more rays, until they take a tenth of a turn.
+    fn rough_rate(contender: &dyn Contender, questions: Questions<'_>, turn: Duration) -> f64 {
+        let all = questions.rays.len();
+        let mut count = SMALLEST_PIECE.min(all);
+        loop {
+            let sample = Plan::spread(contender, questions, count, count.div_ceil(PIECES));
+            let seconds = sample.seconds(Threads::One);
+            if count >= all || seconds > 0.1 * turn.as_secs_f64() {
+                break sample.rays as f64 / seconds.max(f64::MIN_POSITIVE);
+            }
+            count = (count * 4).min(all);
+        }
+    }
+
+    /// About `count` rays once, in pieces that are spread evenly over the set.
     fn spread(
         contender: &'a dyn Contender,
         Questions { class, rays }: Questions<'a>,
@@ -138,6 +157,7 @@ impl<'a> Plan<'a> {
             class,
             rays: pieces.iter().map(|piece| piece.len()).sum(),
             pieces,
+            passes: 1,
         }
     }
 
@@ -145,21 +165,28 @@ impl<'a> Plan<'a> {
     fn rate(&self, threads: Threads<'_>) -> f64 {
         let warm_up = self.pieces.len().div_ceil(WARM_UP);
         self.trace(&self.pieces[..warm_up], threads);
-        self.rays as f64 / self.seconds(threads) / 1e6
+        (self.rays * self.passes) as f64 / self.seconds(threads) / 1e6
     }
 
     fn seconds(&self, threads: Threads<'_>) -> f64 {
         match threads {
             Threads::One => {
                 let start = thread_time();
-                self.trace(&self.pieces, threads);
+                self.pass(threads);
                 (thread_time() - start).as_secs_f64()
             }
             Threads::Pool(_) => {
                 let start = Instant::now();
-                self.trace(&self.pieces, threads);
+                self.pass(threads);
                 start.elapsed().as_secs_f64()
             }
+        }
+    }
+
+    /// Traces all pieces as often as is planned.
+    fn pass(&self, threads: Threads<'_>) {
+        for _ in 0..self.passes {
+            self.trace(&self.pieces, threads);
         }
     }
 
@@ -180,6 +207,17 @@ impl<'a> Plan<'a> {
             }),
         }
     }
+}
+
+/// The whole part of a number, up to `most`.
+fn to_count(number: f64, most: usize) -> usize {
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a count"
+    )]
+    let count = number.clamp(0.0, most as f64) as usize;
+    count
 }
 
 /// Room for the answers to a piece.
@@ -286,7 +324,8 @@ mod tests {
         for threads in [Threads::One, Threads::Pool(&pool)] {
             let recorder = Recorder::default();
             let turn = Duration::from_secs(1000);
-            let plan = Plan::new(&recorder, questions(&rays), threads, turn);
+            let plans = Plan::of_all(&[&recorder], questions(&rays), threads, turn);
+            let [plan] = plans.try_into().ok().expect("one contender");
             recorder.asked.lock().unwrap().clear();
             plan.trace(&plan.pieces, threads);
             let mut asked = recorder.asked.lock().unwrap().clone();
@@ -296,6 +335,47 @@ mod tests {
                 "{threads:?}"
             );
         }
+    }
+
+    /// Takes 50 microseconds for each ray.
+    struct Slow(Recorder);
+
+    impl Contender for Slow {
+        fn closest_hits(&self, rays: &[Ray], hits: &mut [Option<Hit>]) {
+            let start = thread_time();
+            self.0.closest_hits(rays, hits);
+            let took = Duration::from_micros(50) * u32::try_from(rays.len()).unwrap();
+            while thread_time() - start < took {
+                std::hint::spin_loop();
+            }
+        }
+
+        fn any_hits(&self, rays: &[Ray], found: &mut [bool]) {
+            self.0.any_hits(rays, found);
+        }
+    }
+
+    #[test]
+    fn a_slow_contender_and_a_fast_one_trace_the_same_rays() {
+        let rays = rays(60_000);
+        let (fast, slow) = (Recorder::default(), Slow(Recorder::default()));
+        let turn = Duration::from_millis(40);
+        let plans = Plan::of_all(&[&fast, &slow], questions(&rays), Threads::One, turn);
+        for recorder in [&fast, &slow.0] {
+            recorder.asked.lock().unwrap().clear();
+        }
+        for plan in &plans {
+            plan.trace(&plan.pieces, Threads::One);
+        }
+        let asked = [&fast, &slow.0].map(|recorder| recorder.asked.lock().unwrap().clone());
+        assert_eq!(asked[0], asked[1]);
+        // What the slow one can do in a turn, about.
+        let count = asked[0].len();
+        assert!((FEWEST..3 * FEWEST).contains(&count), "{count}");
+        assert_eq!(plans[1].passes, 1);
+        assert!(plans[0].passes > 1, "2.5 ms of memory traffic");
+        let repeated = plans[0].rate(Threads::One);
+        assert!(repeated > plans[1].rate(Threads::One), "{repeated}");
     }
 
     #[test]

@@ -9,13 +9,13 @@ use crate::wide::{Costs, WideBvh};
 use crate::{BuildControl, BuildError, BuildPhase, BuildReport, BvhOptions};
 
 /// The work per triangle that the layout counts as, where the binary tree is [`BinaryTree::WORK`].
-const LAYOUT_WORK: u64 = 2;
+const LAYOUT_WORK: u64 = BinaryTree::WORK / 4;
 
 /// A bounding volume hierarchy over a triangle mesh.
 ///
 /// Ask it through [`RayQuery`](tahko_geometry::RayQuery). It owns a copy of the triangles and does not borrow from the
 /// mesh. Every triangle is listed, degenerate ones included: once, or by several leaves where
-/// [spatial splits](BvhOptions::spatial_split_budget) are allowed. Two trees are equal if they have equal nodes,
+/// [spatial splits](BvhOptions::spatial_split_budget) or [pieces](BvhOptions::presplit_budget) are allowed. Two trees are equal if they have equal nodes,
 /// triangles and options, whatever instructions they are asked with.
 #[derive(Clone, Debug)]
 pub struct Bvh {
@@ -37,16 +37,17 @@ impl Bvh {
     /// the `parallel` feature. No way from the root to a leaf has more than 64 nodes.
     ///
     /// Cost: O(n log n) time; memory as [`BvhOptions::build_memory`] estimates it, and after the build 67 to 90
-    /// bytes per triangle on the meshes that were measured.
+    /// bytes per triangle on the meshes that were measured, or that for each piece where triangles were [cut in pieces](BvhOptions::presplit_budget).
     ///
     /// # Errors
     /// If an option is out of its range.
     pub fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Result<Self, BuildError> {
-        Self::build_timed(mesh, options, &BuildControl::new()).map(|(bvh, _)| bvh)
+        Self::build_timed(mesh, options, &BuildControl::new()).map(|(bvh, ..)| bvh)
     }
 
     /// Builds the tree of a mesh as [`build`](Self::build) does, while another thread may watch and cancel it, and
-    /// within a limit of memory; and reports what it took.
+    /// within a limit of memory; and reports what it took. The tree depends on the limit only where that leaves fewer [pieces](BvhOptions::presplit_budget) than
+    /// the build would make without.
     ///
     /// # Errors
     /// If an option is out of its range, the build is cancelled, or it would need more memory than allowed.
@@ -55,16 +56,18 @@ impl Bvh {
         options: &BvhOptions,
         control: &BuildControl,
     ) -> Result<(Self, BuildReport), BuildError> {
-        let (bvh, stopwatch) = Self::build_timed(mesh, options, control)?;
-        let report = BuildReport::new(&bvh, stopwatch, options.build_memory(mesh.len()));
+        let (bvh, stopwatch, pieces) = Self::build_timed(mesh, options, control)?;
+        let memory = options.build_memory_in_pieces(mesh.len(), pieces);
+        let report = BuildReport::new(&bvh, stopwatch, memory);
         Ok((bvh, report))
     }
 
+    /// The tree, the times of the phases, and how many pieces of triangles the build began with.
     fn build_timed(
         mesh: &TriangleMesh,
         options: &BvhOptions,
         control: &BuildControl,
-    ) -> Result<(Self, Stopwatch), BuildError> {
+    ) -> Result<(Self, Stopwatch, usize), BuildError> {
         options.check()?;
         let needed = options.build_memory(mesh.len());
         let work = BinaryTree::WORK + LAYOUT_WORK;
@@ -84,7 +87,7 @@ impl Bvh {
         };
         stopwatch.end(BuildPhase::Layout);
         control.finish();
-        Ok((bvh, stopwatch))
+        Ok((bvh, stopwatch, tree.pieces))
     }
 
     /// The options that the tree was built with.

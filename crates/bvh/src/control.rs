@@ -38,7 +38,7 @@ impl BuildControl {
     }
 
     /// The same handle with a limit in bytes: a build that is [estimated](crate::BvhOptions::build_memory) to need more ends with an error
-    /// before it takes any.
+    /// before it takes any. One that would cut triangles in [pieces](crate::BvhOptions::presplit_budget) makes as many as fit.
     #[must_use]
     pub const fn with_memory_limit(mut self, bytes: u64) -> Self {
         self.memory_limit = Some(bytes);

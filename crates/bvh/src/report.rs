@@ -17,7 +17,7 @@ pub struct BuildReport {
     pub references_per_triangle: f64,
     /// Bytes of the finished tree per triangle; 0 for none.
     pub bytes_per_triangle: f64,
-    /// The most bytes that the build was [estimated](crate::BvhOptions::build_memory) to hold at a time.
+    /// The most bytes that the build was [estimated](crate::BvhOptions::build_memory) to hold at a time, with the [pieces](crate::BvhOptions::presplit_budget) that it made.
     pub estimated_memory: u64,
 }
 

@@ -236,7 +236,7 @@ fn degenerate_meshes_build_with_every_preset() {
             let bvh = build(&mesh, &options);
             assert_eq!(bvh.validate(), Ok(()), "{name}");
             let references = bvh.statistics().references;
-            let most = mesh.len() as f64 * options.spatial_split_budget;
+            let most = mesh.len() as f64 * options.spatial_split_budget * options.presplit_budget;
             assert!(
                 references >= mesh.len() && references as f64 <= most,
                 "{name}"
@@ -268,9 +268,21 @@ fn options_out_of_range_are_refused() {
             "{error}"
         );
     }
-    for budget in [0.99, 2.01, f64::NAN] {
-        let error = error(&good.clone().with_spatial_split_budget(budget));
-        assert!(matches!(error, BuildError::InvalidBudget { .. }), "{error}");
+    for (option, options) in [0.99, 2.01, f64::NAN]
+        .map(|budget| good.clone().with_spatial_split_budget(budget))
+        .map(|options| ("spatial_split_budget", options))
+        .into_iter()
+        .chain(
+            [0.99, 32.01, f64::NAN]
+                .map(|budget| good.clone().with_presplit_budget(budget))
+                .map(|options| ("presplit_budget", options)),
+        )
+    {
+        let error = error(&options);
+        assert!(
+            matches!(error, BuildError::InvalidBudget { option: named, .. } if named == option),
+            "{error}"
+        );
     }
     for cost in [0.0, -1.0, f64::NAN, f64::INFINITY] {
         let error = error(&good.clone().with_costs(cost, 1.0));

@@ -4,7 +4,7 @@
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use tahko_bvh::{Bvh, BvhOptions, NodeFormat};
+use tahko_bvh::{BuildControl, Bvh, BvhOptions, NodeFormat};
 use tahko_geometry::{TriangleMesh, glam::Vec3};
 
 struct Counting;
@@ -58,6 +58,43 @@ fn walk(count: u32, step: f32) -> TriangleMesh {
     TriangleMesh::new(vertices, indices.collect()).expect("finite vertices")
 }
 
+/// Slivers along a diagonal.
+fn slivers(count: u16) -> TriangleMesh {
+    let starts = (0..count).map(|number| 1e-4 * f32::from(number) * Vec3::X);
+    let vertices = starts.flat_map(|start| [start, start + Vec3::ONE, start + 0.999 * Vec3::ONE]);
+    let vertices = vertices.collect();
+    let indices = (0..u32::from(count)).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]);
+    TriangleMesh::new(vertices, indices.collect()).expect("finite vertices")
+}
+
+fn estimates_of_pieces_hold() {
+    let mesh = slivers(2000);
+    for (preset, budget) in [
+        (BvhOptions::high_quality(), 8.0),
+        (BvhOptions::high_quality(), 2.0),
+        (BvhOptions::balanced(), 4.0),
+    ] {
+        let options = preset.with_presplit_budget(budget);
+        let whole = options.build_memory(mesh.len());
+        for limit in [u64::MAX, 3 * whole] {
+            let before = HELD.load(Ordering::Relaxed);
+            MOST.store(before, Ordering::Relaxed);
+            let control = BuildControl::new().with_memory_limit(limit);
+            let (bvh, report) = Bvh::build_with(&mesh, &options, &control).expect("it fits");
+            let measured = (MOST.load(Ordering::Relaxed) - before) as u64;
+            let estimate = report.estimated_memory;
+            let pieces = report.references_per_triangle;
+            assert!(pieces > 1.5, "{pieces}");
+            assert!(estimate <= limit, "{estimate} of {limit}");
+            assert!(
+                measured <= estimate && 3 * measured >= estimate,
+                "{measured} bytes, not {estimate}: {options:?}, {pieces}"
+            );
+            drop(bvh);
+        }
+    }
+}
+
 #[test]
 fn the_estimate_is_not_below_what_is_allocated_and_not_far_above() {
     // The threads of the pool allocate when they start.
@@ -65,6 +102,7 @@ fn the_estimate_is_not_below_what_is_allocated_and_not_far_above() {
     for options in [BvhOptions::fast(), BvhOptions::balanced()] {
         measured(&warm_up, &options);
     }
+    estimates_of_pieces_hold();
     for count in [1, 1000, 100_000, 400_000] {
         let mesh = walk(count, 1.0);
         for preset in [

@@ -42,6 +42,9 @@ pub(crate) const MAX_DEPTH: usize = 64;
 /// time, for 0.05 to 0.5 % (a soup: 1.7 %) higher cost of a tree with eight children per node.
 const LEAF_SIZE: usize = 4;
 
+/// What an eighth of the build of a binary tree counts per triangle, so that its pieces count something too.
+const WORK_UNIT: u64 = 64;
+
 /// A binary tree over references in leaf order.
 #[derive(Default)]
 pub(crate) struct BinaryTree {
@@ -50,6 +53,8 @@ pub(crate) struct BinaryTree {
     pub(crate) references: Vec<TriangleNumber>,
     /// Nodes with children.
     pub(crate) inner_count: usize,
+    /// References that the build began with: triangles, or pieces of them.
+    pub(crate) pieces: usize,
 }
 
 /// A triangle as a leaf lists it: its index in the mesh.
@@ -84,7 +89,11 @@ impl BinaryTree {
         if mesh.is_empty() {
             return Ok(Self::default());
         }
-        let work = |weight| Work { control, weight };
+        let work = |weight| Work {
+            control,
+            weight: weight * WORK_UNIT,
+        };
+        let mut pieces = mesh.len();
         let (nodes, references) = match options.method {
             BuildMethod::Clusters => {
                 let (numbers, scale) = morton::order(mesh);
@@ -94,11 +103,16 @@ impl BinaryTree {
                 clusters::build(mesh, &numbers, scale, options, control)?
             }
             BuildMethod::TopDown => {
-                let mut references = collect(mesh.len(), |number| Reference::new(mesh, number));
+                let references = collect(mesh.len(), |number| Reference::new(mesh, number));
+                let most = options.most_pieces(mesh.len(), control.memory_limit());
+                let mut references = spatial::presplit::split(references, mesh, most, &work(1))?;
+                pieces = references.len();
                 work(1).done(mesh.len());
                 stopwatch.end(BuildPhase::References);
-                if options.spatial_split_budget > 1.0 {
-                    spatial::build(references, mesh, options, &work(7))?
+                if options.has_parts(mesh.len(), pieces) {
+                    let whole = work(7);
+                    let weight = whole.weight * mesh.len() as u64 / pieces as u64;
+                    spatial::build(references, mesh, options, &Work { weight, ..whole })?
                 } else {
                     let nodes = top_down::build(&mut references, options, MAX_DEPTH, &work(7))?;
                     let numbers = collect(references.len(), |index| {
@@ -113,6 +127,7 @@ impl BinaryTree {
             inner_count: reduce(&nodes, &inner_count, &|a, b| a + b),
             nodes,
             references,
+            pieces,
         };
         if options.reinsertion_rounds > 0 {
             reinsertion::improve(&mut tree, options.reinsertion_rounds, control)?;
@@ -131,7 +146,7 @@ impl BinaryTree {
     }
 
     /// The work per triangle that a build reports to its control.
-    pub(crate) const WORK: u64 = 8;
+    pub(crate) const WORK: u64 = 8 * WORK_UNIT;
 
     /// The box of a node and what it links to; node 0 is the root of a tree over at least one reference.
     pub(crate) fn node(&self, index: usize) -> (Aabb, Link) {

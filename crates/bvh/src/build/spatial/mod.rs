@@ -5,7 +5,8 @@
 //!
 //! **No hit falls between boxes.** A reference with triangle `T` and box `B` stands for the part `T ∩ B`, a closed set.
 //! Claim: in the finished tree every point of a triangle lies in the box of some leaf that lists the triangle, and in the boxes of all nodes above that leaf.
-//! - At first there is one reference per triangle, with the triangle's exact box: its part is the triangle.
+//! - At first there is one reference per triangle, with the triangle's exact box: its part is the triangle. Or there are the pieces that [`presplit`] has cut it in, each time in two at
+//!   a plane as below.
 //! - An object split moves references. A spatial split at `x = p` replaces a reference by one or two, whose parts together contain `T ∩ B`: every point
 //!   of that has `x <= p` or `x >= p`, and [`clip::halves`] gives boxes that contain `T ∩ B ∩ {x <= p}` and `T ∩ B ∩ {x >= p}`. If one of these boxes is empty,
 //!   the other contains all of `T ∩ B`. A reference that goes to one side keeps its box.
@@ -27,6 +28,7 @@ mod bins;
 mod clip;
 mod cut;
 mod pieces;
+pub(super) mod presplit;
 
 use tahko_geometry::{Axis, TriangleMesh};
 
@@ -63,9 +65,9 @@ impl Policy {
 /// The most references in a leaf: layouts and reinsertion want fine trees, and join what is too fine.
 const LEAF_SIZE: usize = 2;
 
-/// The nodes of a tree over the references to all triangles of a mesh, at least one, and the triangles in the order of the leaves. The options are in range.
+/// The nodes of a tree over the references to all triangles of a mesh, at least one, or to their pieces, and the triangles in the order of the leaves. The options are in range.
 ///
-/// Cost: O(n log n) time; about 100 bytes per triangle, times the budget.
+/// Cost: O(n log n) time; about 100 bytes per reference, times the budget.
 ///
 /// # Errors
 /// If the build was cancelled.
@@ -95,7 +97,7 @@ fn build_by(
         root_overlap: policy.overlap * extent.bounds.half_area(),
         leaf_size: options.max_leaf_size.min(LEAF_SIZE),
     };
-    let capacity = capacity(count, options.spatial_split_budget);
+    let capacity = options.most_references(mesh.len(), count);
     // The room is filled with anything: it is not read before it is written.
     references.resize(capacity, references[0]);
     let mut nodes = collect(2 * capacity - 1, |_| BuildNode::UNUSED);
@@ -103,17 +105,6 @@ fn build_by(
     work.control.check()?;
     let numbers = compact(&references, &mut nodes);
     Ok((nodes, numbers))
-}
-
-/// How many references a tree over some triangles may have.
-fn capacity(count: usize, budget: f64) -> usize {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "the budget is at most twice a number of triangles"
-    )]
-    let capacity = (count as f64 * budget) as usize;
-    capacity.clamp(count, TriangleMesh::MAX_TRIANGLES.max(count))
 }
 
 /// Where a subtree stands in the tree and in its lists.
