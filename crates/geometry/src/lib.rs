@@ -111,14 +111,15 @@ pub use fused_ray::{
 };
 pub use glam;
 pub use kernel::{
-    BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop,
+    BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, RaysFilter, TriangleHit,
+    TriangleKernel, Woop,
 };
 pub use mesh::{DroppedTriangle, MeshError, TriangleMesh};
 pub use plane::{Plane, Side};
 pub use polygon::{Polygon, PolygonError, Split};
 pub use query::{
-    AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery,
-    RungCounts, TraversalCounter, Traverse, test_block, test_triangle,
+    AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, RaySearch,
+    RaysFilterOf, RungCounts, TraversalCounter, Traverse, test_block, test_rays, test_triangle,
 };
 pub use ray::Ray;
 pub use statistics::{ExpectedVisits, TreeStatistics};

@@ -1,7 +1,8 @@
 //! The traversal of a packet: rays that go nearly the same way.
 //!
 //! A node is tested once for all rays, by [what bounds them](Frustum). The boxes that this leaves are tested, when their turn comes, with
-//! eight rays at a time. Where few rays are left, each goes on alone.
+//! eight rays at a time. Where few rays are left, each goes on alone. The triangles of a leaf are tested one by one with eight rays at a time, or eight at a time with one ray after the other,
+//! whichever takes fewer tests.
 
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
@@ -10,7 +11,8 @@ use tahko_geometry::glam::Vec3;
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Lanes, Simd, WithSimd, bits_of};
 use tahko_geometry::{
-    FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes, TriangleKernel,
+    Axis, FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes, RaySearch,
+    RaysFilter, RaysFilterOf, TriangleBlock, TriangleKernel, test_block, test_rays,
 };
 
 use super::access::View;
@@ -27,21 +29,18 @@ const GROUPS: usize = SIZE / LANES;
 /// So few rays go on alone. Measured with 4 to 24: the more the better where neighbours part soon, by up to a sixth (shadow rays among hairs), the fewer the better
 /// where they do not, by up to a tenth.
 const FEW: u32 = 8;
+/// What a test of a triangle with eight rays costs, in tests of a ray with eight triangles.
+const COST_OF_RAYS: [u32; 2] = [1, 2];
 
 /// Rays that go into the same octant and begin at zero or later, with what they have found.
-pub(super) struct Packet<'a, H> {
+pub(super) struct Packet<'a, K: TriangleKernel, H> {
     rays: [RayLanes; GROUPS],
     fused: [FusedPacket; GROUPS],
-    members: Vec<Member<'a, H>>,
+    filters: [RaysFilterOf<K>; GROUPS],
+    /// Whether all filters decide.
+    filters_decide: bool,
+    searches: Vec<RaySearch<'a, H>>,
     waiting: Vec<Waiting>,
-}
-
-/// A ray of a packet.
-pub(super) struct Member<'a, H> {
-    pub(super) ray: &'a Ray,
-    pub(super) collector: H,
-    /// Its place in the batch.
-    pub(super) index: usize,
 }
 
 /// A child that waits.
@@ -56,22 +55,24 @@ struct Waiting {
     start: f32,
 }
 
-impl<'a, H: HitCollector> Packet<'a, H> {
+impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
     /// Room for a packet.
     pub(super) fn new() -> Self {
         let anything = Ray::new(Vec3::ZERO, Vec3::ONE);
         Self {
             rays: [RayLanes::splat(&anything); GROUPS],
             fused: [FusedPacket::EMPTY; GROUPS],
-            members: Vec::with_capacity(SIZE),
+            filters: [RaysFilterOf::<K>::EMPTY; GROUPS],
+            filters_decide: false,
+            searches: Vec::with_capacity(SIZE),
             waiting: Vec::new(),
         }
     }
 
     /// Adds a ray to fewer than [`SIZE`].
     #[inline(always)]
-    pub(super) fn push(&mut self, index: usize, ray: &'a Ray) {
-        let place = self.members.len();
+    pub(super) fn push(&mut self, ray: &'a Ray) {
+        let place = self.searches.len();
         if place.is_multiple_of(LANES) {
             // Lanes that are not used have a ray of the packet, for the bounds, and take no part.
             let lanes = &mut self.rays[place / LANES % GROUPS];
@@ -79,20 +80,19 @@ impl<'a, H: HitCollector> Packet<'a, H> {
             lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
         }
         self.rays[place / LANES % GROUPS].set(place % LANES, ray);
-        self.members.push(Member {
+        self.searches.push(RaySearch {
             ray,
             collector: H::new(ray),
-            index,
         });
     }
 
     /// The rays; the packet is empty afterwards.
-    pub(super) fn drain(&mut self) -> impl Iterator<Item = Member<'a, H>> {
-        self.members.drain(..)
+    pub(super) fn drain(&mut self) -> impl Iterator<Item = RaySearch<'a, H>> {
+        self.searches.drain(..)
     }
 
     fn groups(&self) -> usize {
-        self.members.len().div_ceil(LANES)
+        self.searches.len().div_ceil(LANES)
     }
 
     /// The largest `t` that still matters to any ray.
@@ -153,18 +153,59 @@ impl<'a, H: HitCollector> Packet<'a, H> {
     fn advance(
         &mut self,
         rays: u64,
-        mut step: impl FnMut(&mut Member<'a, H>) -> ControlFlow<()>,
+        mut step: impl FnMut(&mut RaySearch<'a, H>) -> ControlFlow<()>,
     ) -> u64 {
         let mut done = 0;
         for place in bits_of(rays) {
-            let member = &mut self.members[place];
-            let t_max = if step(member).is_break() {
-                done |= 1 << place;
-                f32::NEG_INFINITY
-            } else {
-                member.collector.t_max()
-            };
-            self.rays[place / LANES].t_max.0[place % LANES] = t_max;
+            let step = step(&mut self.searches[place]);
+            done |= self.keep(place, step);
+        }
+        done
+    }
+
+    /// Keeps the `t_max` of a ray that has made a step; its bit, if its search is over, after which nothing matters to it.
+    #[inline(always)]
+    fn keep(&mut self, place: usize, step: ControlFlow<()>) -> u64 {
+        let is_over = step.is_break();
+        self.rays[place / LANES].t_max.0[place % LANES] = if is_over {
+            f32::NEG_INFINITY
+        } else {
+            self.searches[place].collector.t_max()
+        };
+        u64::from(is_over) << place
+    }
+
+    /// Tests the triangles of a block one by one with eight rays at a time; the filters decide.
+    #[inline(always)]
+    fn test_together<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
+        let mut left = rays;
+        for triangle in bits_of(u64::from(block.used())) {
+            for (group, searches) in self.searches.chunks_mut(LANES).enumerate() {
+                let lanes = (left >> (LANES * group)) as u32 & 0xff;
+                if lanes == 0 {
+                    continue;
+                }
+                let prepared = (&mut self.rays[group], &self.filters[group]);
+                let place = (block, triangle % LANES);
+                let done = test_rays::<S, K, H>(simd, prepared, place, searches, lanes);
+                left &= !(u64::from(done) << (LANES * group));
+            }
+        }
+        rays & !left
+    }
+
+    /// Tests a block with one ray after the other; the filters decide.
+    #[inline(always)]
+    fn test_one_by_one<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
+        let mut done = 0;
+        for place in bits_of(rays) {
+            let (group, lane) = (place / LANES, place % LANES);
+            let filter = self.filters[group].of_lane(&self.rays[group], lane);
+            let search = &mut self.searches[place];
+            let kernels = (search.ray, &filter);
+            let step =
+                test_block::<S, K, H, ()>(simd, kernels, block, &mut search.collector, &mut ());
+            done |= self.keep(place, step);
         }
         done
     }
@@ -192,11 +233,10 @@ impl<'a, H: HitCollector> Packet<'a, H> {
 }
 
 /// The searches of the rays of a packet, of which there is at least one.
-pub(super) struct PacketSearch<'p, 'a, K, H, N> {
+pub(super) struct PacketSearch<'p, 'a, K: TriangleKernel, H, N> {
     pub(super) bvh: View<'p, N>,
-    pub(super) packet: &'p mut Packet<'a, H>,
+    pub(super) packet: &'p mut Packet<'a, K, H>,
     pub(super) negative: u32,
-    pub(super) kernel: PhantomData<K>,
 }
 
 impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, '_, K, H, N> {
@@ -208,15 +248,18 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
             bvh,
             packet,
             negative,
-            ..
         } = self;
         let mut bounds = GatheredBounds::new(negative);
         let size = (bvh.size, K::REACH);
+        let axis = Axis::dominant(packet.searches[0].ray.direction);
+        packet.filters_decide = true;
         for group in 0..packet.groups() {
-            packet.fused[group].prepare(simd, &packet.rays[group], negative, size, &mut bounds);
+            let rays = &packet.rays[group];
+            packet.fused[group].prepare(simd, rays, negative, size, &mut bounds);
+            packet.filters_decide &= packet.filters[group].prepare(simd, rays, axis, bvh.size);
         }
         let frustum = Frustum::new(simd, &bounds.all_lanes(negative), negative);
-        let mut searching = u64::MAX >> (SIZE - packet.members.len());
+        let mut searching = u64::MAX >> (SIZE - packet.searches.len());
         let mut t_max = packet.t_max(simd);
         packet.waiting.clear();
         let mut next = Some((bvh.root, searching));
@@ -229,11 +272,15 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
                     packet.wait(child, &starts, hits, rays);
                 } else {
                     let done = match child.kind() {
-                        Kind::Inner(_) => packet.advance(rays, |member| {
-                            simd.outline(Alone::<K, H, N>(bvh, member, child, PhantomData))
+                        Kind::Inner(_) => packet.advance(rays, |search| {
+                            simd.outline(Alone::<K, H, N>(bvh, search, child, PhantomData))
                         }),
-                        Kind::Leaf(first_block) => packet.advance(rays, |member| {
-                            simd.outline(LeafOf::<K, H, N>(bvh, member, first_block, PhantomData))
+                        Kind::Leaf(first_block) if packet.filters_decide => {
+                            let blocks = bvh.blocks_from(first_block);
+                            simd.outline(LeafOfAll(packet, blocks, rays))
+                        }
+                        Kind::Leaf(first_block) => packet.advance(rays, |search| {
+                            simd.outline(LeafOf::<K, H, N>(bvh, search, first_block, PhantomData))
                         }),
                     };
                     searching &= !done;
@@ -257,21 +304,57 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
     }
 }
 
+/// The test of a leaf by rays whose filters decide, which tells those whose search is over.
+struct LeafOfAll<'p, 'a, K: TriangleKernel, H>(&'p mut Packet<'a, K, H>, &'p [TriangleBlock], u64);
+
+impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOfAll<'_, '_, K, H> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> u64 {
+        let Self(packet, blocks, rays) = self;
+        let mut left = rays;
+        for block in blocks {
+            let tests_of_all = block.used().count_ones() * groups_of(left);
+            let [cost_of_rays, cost] = COST_OF_RAYS;
+            let done = if tests_of_all * cost_of_rays < left.count_ones() * cost {
+                packet.test_together(simd, block, left)
+            } else {
+                packet.test_one_by_one(simd, block, left)
+            };
+            left &= !done;
+            if !block.continues() || left == 0 {
+                break;
+            }
+        }
+        rays & !left
+    }
+}
+
+/// How many groups have rays.
+#[inline(always)]
+fn groups_of(rays: u64) -> u32 {
+    const BELOW_HIGHEST: u64 = u64::from_ne_bytes([0x7f; GROUPS]);
+    // The highest bit of each byte: whether the byte is not zero.
+    let in_groups = ((rays & BELOW_HIGHEST) + BELOW_HIGHEST) | rays;
+    (in_groups & !BELOW_HIGHEST).count_ones()
+}
+
 /// A ray's test of a leaf.
-struct LeafOf<'m, 'a, K, H, N>(View<'m, N>, &'m mut Member<'a, H>, usize, PhantomData<K>);
+struct LeafOf<'m, 'a, K, H, N>(View<'m, N>, &'m mut RaySearch<'a, H>, usize, PhantomData<K>);
 
 impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for LeafOf<'_, '_, K, H, N> {
     type Output = ControlFlow<()>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
-        let Self(bvh, member, first_block, _) = self;
-        let fused = FusedRay::new(member.ray, bvh.size, K::REACH);
+        let Self(bvh, search, first_block, _) = self;
+        let fused = FusedRay::new(search.ray, bvh.size, K::REACH);
         let leaf = Leaf::<K, H, ()> {
             blocks: bvh.blocks_from(first_block),
-            ray: member.ray,
-            filter: &K::Block::new(member.ray, &fused),
-            collector: &mut member.collector,
+            ray: search.ray,
+            filter: &K::Block::new(search.ray, &fused),
+            collector: &mut search.collector,
             counter: &mut (),
         };
         leaf.with_simd(simd)
@@ -279,23 +362,43 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for LeafOf<'_, '_, K,
 }
 
 /// A ray's way through a subtree.
-struct Alone<'m, 'a, K, H, N>(View<'m, N>, &'m mut Member<'a, H>, Child, PhantomData<K>);
+struct Alone<'m, 'a, K, H, N>(View<'m, N>, &'m mut RaySearch<'a, H>, Child, PhantomData<K>);
 
 impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Alone<'_, '_, K, H, N> {
     type Output = ControlFlow<()>;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
-        let Self(bvh, member, child, _) = self;
-        let fused = FusedRay::new(member.ray, bvh.size, K::REACH);
+        let Self(bvh, search, child, _) = self;
+        let fused = FusedRay::new(search.ray, bvh.size, K::REACH);
         let way = Way::<K, H, (), N> {
             bvh,
-            ray: member.ray,
-            slabs: &SlabConstants::new(&fused, member.ray.t_min),
-            filter: &K::Block::new(member.ray, &fused),
-            collector: &mut member.collector,
+            ray: search.ray,
+            slabs: &SlabConstants::new(&fused, search.ray.t_min),
+            filter: &K::Block::new(search.ray, &fused),
+            collector: &mut search.collector,
             counter: &mut (),
         };
         way.search(simd, child)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_counted_that_have_any_ray() {
+        assert_eq!(groups_of(0), 0);
+        assert_eq!(groups_of(u64::MAX), 8);
+        for ray in 0..SIZE {
+            assert_eq!(groups_of(1 << ray), 1, "{ray}");
+            assert_eq!(
+                groups_of(1 << ray | 1 << ((ray + LANES) % SIZE)),
+                2,
+                "{ray}"
+            );
+        }
+        assert_eq!(groups_of(0x8000_0000_7f00_0100), 3);
     }
 }

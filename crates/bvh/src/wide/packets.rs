@@ -1,7 +1,5 @@
 //! The packets of a batch of coherent rays.
 
-use std::marker::PhantomData;
-
 use tahko_geometry::simd::{Simd, WithSimd, bits_of};
 use tahko_geometry::{HitCollector, Ray, TriangleKernel};
 
@@ -24,7 +22,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Packets<'_, K, H,
         let Batch {
             bvh, rays, answers, ..
         } = self.0;
-        let mut packet = Packet::<H>::new();
+        let mut packet = Packet::<K, H>::new();
         for (rays, answers) in rays.chunks(SIZE).zip(answers.chunks_mut(SIZE)) {
             let mut octants = [None; SIZE];
             for (place, ray) in octants.iter_mut().zip(rays) {
@@ -40,17 +38,15 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Packets<'_, K, H,
                         if members.count_ones() >= FEWEST && bvh.root != Child::NOTHING =>
                     {
                         for index in bits_of(members) {
-                            packet.push(index, &rays[index]);
+                            packet.push(&rays[index]);
                         }
-                        simd.outline(PacketSearch::<K, H, N> {
+                        simd.outline(PacketSearch {
                             bvh,
                             packet: &mut packet,
                             negative: u32::from(negative),
-                            kernel: PhantomData,
                         });
-                        for mut member in packet.drain() {
-                            let answer = member.collector.finish::<K, ()>(member.ray, &mut ());
-                            answers[member.index] = answer;
+                        for (index, mut search) in bits_of(members).zip(packet.drain()) {
+                            answers[index] = search.collector.finish::<K, ()>(search.ray, &mut ());
                         }
                     }
                     _ => {

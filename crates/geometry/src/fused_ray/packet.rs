@@ -18,8 +18,8 @@ use super::{
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct RayLanes {
-    origin: [Lanes; 3],
-    direction: [Lanes; 3],
+    pub(crate) origin: [Lanes; 3],
+    pub(crate) direction: [Lanes; 3],
     /// The smallest `t` of each that counts.
     pub t_min: Lanes,
     /// The largest.
@@ -48,6 +48,35 @@ impl RayLanes {
         }
         self.t_min.0[lane] = ray.t_min + 0.0;
         self.t_max.0[lane] = ray.t_max;
+    }
+
+    /// The origin of a ray.
+    #[inline(always)]
+    pub(crate) fn origin(&self, lane: usize) -> [f32; 3] {
+        let [x, y, z] = &self.origin;
+        [x.0[lane], y.0[lane], z.0[lane]]
+    }
+
+    /// The direction of a ray.
+    #[inline(always)]
+    pub(crate) fn direction(&self, lane: usize) -> [f32; 3] {
+        let [x, y, z] = &self.direction;
+        [x.0[lane], y.0[lane], z.0[lane]]
+    }
+
+    /// The origins of all, by axis.
+    // No `map`: what is not inlined is compiled without the instructions of the level.
+    #[inline(always)]
+    pub(crate) fn origins<S: Simd>(&self, simd: S) -> [S::F32s; 3] {
+        let [x, y, z] = &self.origin;
+        [simd.load(x), simd.load(y), simd.load(z)]
+    }
+
+    /// The directions of all, by axis.
+    #[inline(always)]
+    pub(crate) fn directions<S: Simd>(&self, simd: S) -> [S::F32s; 3] {
+        let [x, y, z] = &self.direction;
+        [simd.load(x), simd.load(y), simd.load(z)]
     }
 }
 
@@ -139,20 +168,14 @@ impl FusedPacket {
         size_and_reach: (f32, f32),
         bounds: &mut GatheredBounds,
     ) {
-        // No `map`: what is not inlined is compiled without the instructions of the level.
-        let [x, y, z] = &rays.origin;
-        let origin = [simd.load(x), simd.load(y), simd.load(z)];
+        let origin = rays.origins(simd);
         let distance = [
             simd.abs(origin[0]),
             simd.abs(origin[1]),
             simd.abs(origin[2]),
         ];
-        let [x, y, z] = &rays.direction;
-        let magnitude = [
-            simd.abs(simd.load(x)),
-            simd.abs(simd.load(y)),
-            simd.abs(simd.load(z)),
-        ];
+        let [x, y, z] = rays.directions(simd);
+        let magnitude = [simd.abs(x), simd.abs(y), simd.abs(z)];
         let shift = shift_of_all(simd, distance, magnitude, size_and_reach);
 
         for axis in 0..3 {

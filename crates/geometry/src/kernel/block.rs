@@ -1,5 +1,6 @@
 //! What vector kernels say of a block of triangles.
 
+use super::rays::RaysFilter;
 use crate::simd::{Lanes, Simd};
 use crate::{FusedRay, Ray, TriangleBlock};
 
@@ -8,6 +9,9 @@ use crate::{FusedRay, Ray, TriangleBlock};
 /// It depends on the block and the ray how much it throws out; what it lets through, and what it calls certain, is true of the
 /// kernel that it belongs to. So answers do not depend on the level, on blocks, or on what else is in them.
 pub trait BlockFilter: Copy {
+    /// The filter of the same kernels for eight rays and one triangle.
+    type Rays: RaysFilter<Block = Self>;
+
     /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
     fn new(ray: &Ray, fused: &FusedRay) -> Self;
 
@@ -22,7 +26,7 @@ pub trait BlockFilter: Copy {
     }
 }
 
-/// What is known of the triangles of a block that may be hit.
+/// What is known of the triangles of a block that may be hit by a ray; or of the rays that may hit a triangle, a lane for each ray.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockVerdict {
     /// A bit for each lane whose triangle may be hit: not 0. The others are certainly not.

@@ -23,15 +23,18 @@ mod confirm;
 mod exact;
 mod exact_block;
 mod moller_trumbore;
+mod rays;
 mod reach_block;
+mod sheared;
 mod terms;
 mod woop;
 
 pub use block::{BlockFilter, BlockVerdict};
 pub use exact::{Exact, ExactCrossing, Ladder};
-pub use exact_block::ExactBlockFilter;
+pub use exact_block::{ExactBlockFilter, ExactRaysFilter};
 pub use moller_trumbore::MollerTrumbore;
-pub use reach_block::ReachBlockFilter;
+pub use rays::RaysFilter;
+pub use reach_block::{ReachBlockFilter, ReachRaysFilter};
 pub(crate) use terms::WEIGHT_ERROR;
 pub use woop::Woop;
 

@@ -3,6 +3,7 @@
 mod closest;
 mod collector;
 mod counts;
+mod packet;
 
 use std::ops::ControlFlow;
 
@@ -11,6 +12,7 @@ use glam::Vec3;
 pub use closest::ClosestHit;
 pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
+pub use packet::{RaySearch, RaysFilterOf, test_rays};
 
 use crate::kernel::{BlockFilter, Exact, ExactCrossing, MollerTrumbore, Woop};
 use crate::predicate::Rung;
