@@ -31,7 +31,7 @@ use crate::{Aabb, Ray};
 
 mod packet;
 
-pub use packet::{FusedPacket, GatheredBounds, PacketBounds, RayLanes};
+pub use packet::{FusedPacket, GatheredBounds, OctantLanes, PacketBounds, RayLanes};
 
 /// A ray prepared for vector box tests that never lose a hit of a kernel. The fourth components mean nothing.
 #[derive(Clone, Copy, Debug)]

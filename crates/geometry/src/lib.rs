@@ -107,7 +107,8 @@ pub use brute_force::BruteForce;
 pub use clipped_triangle::{ClippedTriangle, ClippedVertex};
 pub use conservative_ray::{ConservativeRay, Interval, Slabs};
 pub use fused_ray::{
-    FusedPacket, FusedRay, FusedSlabs, GatheredBounds, PacketBounds, RayLanes, size_of_bounds,
+    FusedPacket, FusedRay, FusedSlabs, GatheredBounds, OctantLanes, PacketBounds, RayLanes,
+    size_of_bounds,
 };
 pub use glam;
 pub use kernel::{

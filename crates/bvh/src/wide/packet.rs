@@ -69,26 +69,55 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
         }
     }
 
-    /// Adds a ray to fewer than [`SIZE`].
+    /// Makes it a packet of up to [`SIZE`] rays.
     #[inline(always)]
-    pub(super) fn push(&mut self, ray: &'a Ray) {
-        let place = self.searches.len();
-        if place.is_multiple_of(LANES) {
-            // Lanes that are not used have a ray of the packet, for the bounds, and take no part.
-            let lanes = &mut self.rays[place / LANES % GROUPS];
-            *lanes = RayLanes::splat(ray);
-            lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
+    pub(super) fn fill(&mut self, rays: &'a [Ray]) {
+        self.searches.clear();
+        for (lanes, rays) in self.rays.iter_mut().zip(rays.chunks(LANES)) {
+            if rays.len() < LANES {
+                // Lanes that are not used have a ray of the packet, for the bounds, and take no part.
+                *lanes = RayLanes::splat(&rays[0]);
+                lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
+            }
+            for (lane, ray) in rays.iter().enumerate() {
+                lanes.set(lane, ray);
+                self.searches.push(RaySearch {
+                    ray,
+                    collector: H::new(ray),
+                });
+            }
         }
-        self.rays[place / LANES % GROUPS].set(place % LANES, ray);
-        self.searches.push(RaySearch {
-            ray,
-            collector: H::new(ray),
-        });
     }
 
-    /// The rays; the packet is empty afterwards.
-    pub(super) fn drain(&mut self) -> impl Iterator<Item = RaySearch<'a, H>> {
-        self.searches.drain(..)
+    /// Makes it a packet of the rays of some places.
+    pub(super) fn fill_with(&mut self, rays: &'a [Ray], places: u64) {
+        self.searches.clear();
+        for (place, index) in bits_of(places).enumerate() {
+            let (lanes, ray) = (&mut self.rays[place / LANES % GROUPS], &rays[index]);
+            if place.is_multiple_of(LANES) {
+                // As above.
+                *lanes = RayLanes::splat(ray);
+                lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
+            }
+            lanes.set(place % LANES, ray);
+            self.searches.push(RaySearch {
+                ray,
+                collector: H::new(ray),
+            });
+        }
+    }
+
+    /// The rays, eight at a time.
+    pub(super) fn rays(&self) -> &[RayLanes] {
+        &self.rays[..self.groups()]
+    }
+
+    /// The answers of all rays, in their order.
+    #[inline(always)]
+    pub(super) fn finish<S: Simd>(&mut self, simd: S, mut answer: impl FnMut(H::Answer)) {
+        for (rays, searches) in self.rays.iter().zip(self.searches.chunks_mut(LANES)) {
+            H::finish_lanes::<S, K>(simd, rays, searches, |_, found| answer(found));
+        }
     }
 
     fn groups(&self) -> usize {
@@ -181,7 +210,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
         let mut left = rays;
         for triangle in bits_of(u64::from(block.used())) {
             for (group, searches) in self.searches.chunks_mut(LANES).enumerate() {
-                let lanes = (left >> (LANES * group)) as u32 & 0xff;
+                let lanes = (left >> (LANES * group) & 0xff) as u32;
                 if lanes == 0 {
                     continue;
                 }

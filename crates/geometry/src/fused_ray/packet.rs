@@ -39,6 +39,32 @@ impl RayLanes {
         }
     }
 
+    /// Which rays may be in a packet, and into which octants they go.
+    #[inline(always)]
+    #[must_use]
+    pub fn octants<S: Simd>(&self, simd: S) -> OctantLanes {
+        let zero = simd.splat(0.0);
+        let [x, y, z] = self.directions(simd);
+        let negative = [simd.sign_bits(x), simd.sign_bits(y), simd.sign_bits(z)];
+        let [x, y, z] = [simd.abs(x), simd.abs(y), simd.abs(z)];
+        let [u, v, w] = self.origins(simd);
+        let [u, v, w] = [simd.abs(u), simd.abs(v), simd.abs(w)];
+        // False for NaN, as all that follows.
+        let finite = simd.splat(f32::MAX);
+        let is_finite = |a: S::F32s, b: S::F32s| simd.and(simd.le(a, finite), simd.le(b, finite));
+        let are_finite = simd.and(simd.and(is_finite(x, y), is_finite(z, u)), is_finite(v, w));
+        let is_somewhere = simd.or(
+            simd.or(simd.lt(zero, x), simd.lt(zero, y)),
+            simd.lt(zero, z),
+        );
+        let (t_min, t_max) = (simd.load(&self.t_min), simd.load(&self.t_max));
+        let is_interval = simd.and(simd.le(zero, t_min), simd.le(t_min, t_max));
+        OctantLanes {
+            members: simd.bits(simd.and(simd.and(are_finite, is_somewhere), is_interval)),
+            negative,
+        }
+    }
+
     /// Puts a ray in the place of another one.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, ray: &Ray) {
@@ -78,6 +104,15 @@ impl RayLanes {
         let [x, y, z] = &self.direction;
         [simd.load(x), simd.load(y), simd.load(z)]
     }
+}
+
+/// What [`RayLanes::octants`] tells, a bit for each lane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OctantLanes {
+    /// Rays that are valid and begin at zero or later.
+    pub members: u32,
+    /// By axis: rays with a negative direction, also of -0.0.
+    pub negative: [u32; 3],
 }
 
 /// Eight rays prepared as [`FusedRay`](super::FusedRay) prepares one.

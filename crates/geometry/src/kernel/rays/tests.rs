@@ -60,7 +60,7 @@ fn rays_and_triangles(sizes: Range<i32>) -> impl Strategy<Value = (Vec<Ray>, Vec
     let moves = prop::collection::vec((point(1.0), point(1.0)), LANES - 1);
     let spread = prop::sample::select(vec![0.0, 1e-6, 1e-2, 0.3, 1.0]);
     let scene = scene(sizes).prop_filter("what a packet takes", |(triangles, ray)| {
-        let mut vertices = triangles.iter().flat_map(|triangle| triangle.vertices());
+        let mut vertices = triangles.iter().flat_map(Triangle::vertices);
         ray.is_valid() && ray.t_max >= 0.0 && vertices.all(Vec3::is_finite)
     });
     (scene, moves, spread).prop_map(|((triangles, ray), moves, spread)| {
