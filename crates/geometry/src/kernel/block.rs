@@ -21,7 +21,13 @@ pub trait BlockFilter: Copy {
     /// A closer look at lanes that are possible, and not certain: a bit for each of them that the kernel may accept after all. The others it
     /// rejects, and would have by its f64 rung. The ray is the one that the filter was made for.
     #[inline(always)]
-    fn possible_in_f64(&self, _ray: &Ray, _block: &TriangleBlock, lanes: u32) -> u32 {
+    fn possible_in_f64<S: Simd>(
+        &self,
+        _simd: S,
+        _ray: &Ray,
+        _block: &TriangleBlock,
+        lanes: u32,
+    ) -> u32 {
         lanes
     }
 }

@@ -7,15 +7,16 @@
 //! mean are below `13 u` of the largest `t`. In small triangles the products of weights and `t` underflow, by up to `2^-149` each: [`TINY_SUM`] more of their sum.
 //!
 //! **Rays that start on a surface** are too close to it for f32: their start is a rounding off the triangle, which looks like a hit at a `t` around zero. So
-//! what is left to doubt is looked at in f64 at once, lane by lane, before a kernel is made: whether the plane is behind the ray.
+//! what is left to doubt is looked at in f64 at once, before a kernel is made: whether the plane is behind the ray.
 
 use super::block::{BlockFilter, BlockVerdict};
+use super::lanes::certainly_behind;
 use super::rays::{RaysAlongAxis, RaysFilter};
 use super::sheared::{
     DIRECTIONS, FARTHEST, Limits, Projected, Seen, Shear, T_ERROR, TINY_T, first_t,
 };
 use super::terms::is_certainly_behind;
-use crate::simd::{Simd, lanes_of};
+use crate::simd::{LANES, Simd};
 use crate::{Axis, FusedRay, Ray, RayLanes, TriangleBlock};
 
 /// More than underflow can take from a sum of weighted `t`, which is `2^-144`, and not a denormal number, with which some processors are slow.
@@ -71,20 +72,37 @@ impl BlockFilter for ExactBlockFilter {
     }
 
     #[inline(always)]
-    fn possible_in_f64(&self, ray: &Ray, block: &TriangleBlock, lanes: u32) -> u32 {
+    fn possible_in_f64<S: Simd>(
+        &self,
+        simd: S,
+        ray: &Ray,
+        block: &TriangleBlock,
+        lanes: u32,
+    ) -> u32 {
         if self.t_min < 0.0 {
             return lanes;
         }
         // Of the ray, not of the filter, which may have been written a moment ago in other widths than it would be read in.
         let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        let mut possible = lanes;
-        for lane in lanes_of(lanes) {
-            let triangle = block.coordinates(lane);
-            let is_behind = is_certainly_behind(origin, direction, triangle);
-            possible &= !(u32::from(is_behind) << lane);
+        if lanes.is_power_of_two() {
+            let triangle = block.coordinates(lanes.trailing_zeros() as usize % LANES);
+            return unless_behind(lanes, is_certainly_behind(origin, direction, triangle));
         }
-        possible
+        let splat = |[x, y, z]: [f32; 3]| [simd.splat(x), simd.splat(y), simd.splat(z)];
+        let vertex = |vertex: usize| {
+            let load = |axis: Axis| block.load(simd, vertex, axis);
+            [load(Axis::X), load(Axis::Y), load(Axis::Z)]
+        };
+        let (origin, direction) = (splat(origin), splat(direction));
+        let vectors = [origin, direction, vertex(0), vertex(1), vertex(2)];
+        lanes & !certainly_behind(simd, vectors, lanes)
     }
+}
+
+/// The lane of a triangle, unless it is behind.
+#[inline(always)]
+const fn unless_behind(lane: u32, is_behind: bool) -> u32 {
+    if is_behind { 0 } else { lane }
 }
 
 impl ExactBlockFilter {
@@ -182,20 +200,24 @@ impl RaysFilter for ExactRaysFilter {
     }
 
     #[inline(always)]
-    fn possible_in_f64(
+    fn possible_in_f64<S: Simd>(
         &self,
+        simd: S,
         rays: &RayLanes,
         block: &TriangleBlock,
         triangle: usize,
         lanes: u32,
     ) -> u32 {
-        let triangle = block.coordinates(triangle);
-        let mut possible = lanes;
-        for lane in lanes_of(lanes) {
-            let is_behind = is_certainly_behind(rays.origin(lane), rays.direction(lane), triangle);
-            possible &= !(u32::from(is_behind) << lane);
+        let [a, b, c] = block.coordinates(triangle);
+        if lanes.is_power_of_two() {
+            let lane = lanes.trailing_zeros() as usize % LANES;
+            let is_behind = is_certainly_behind(rays.origin(lane), rays.direction(lane), [a, b, c]);
+            return unless_behind(lanes, is_behind);
         }
-        possible
+        let splat = |[x, y, z]: [f32; 3]| [simd.splat(x), simd.splat(y), simd.splat(z)];
+        let (origins, directions) = (rays.origins(simd), rays.directions(simd));
+        let vectors = [origins, directions, splat(a), splat(b), splat(c)];
+        lanes & !certainly_behind(simd, vectors, lanes)
     }
 
     #[inline(always)]

@@ -64,13 +64,29 @@ pub(super) fn certain_hits<S: Simd>(simd: S, rays: &RayLanes, [a, b, c]: &Vertex
     }
 }
 
-/// Lanes whose triangle's plane is certainly met before the origin, as [`is_certainly_behind`](super::terms::is_certainly_behind) tells.
+/// Which of some lanes have a triangle whose plane is certainly met before the origin, as [`is_certainly_behind`](super::terms::is_certainly_behind) tells.
 #[inline(always)]
-pub(super) fn certainly_behind<S: Simd>(simd: S, vectors: RayAndTriangle<S::F32s>) -> u32 {
-    let [first, last] = halves(simd, vectors);
-    let [a, b, c] = behind_terms(simd, first);
-    let [d, e, f] = behind_terms(simd, last);
-    simd.sign_bits_f64([a, d]) & simd.sign_bits_f64([b, e]) & simd.sign_bits_f64([c, f])
+pub(super) fn certainly_behind<S: Simd>(
+    simd: S,
+    vectors: RayAndTriangle<S::F32s>,
+    lanes: u32,
+) -> u32 {
+    let nothing = simd.splat_f64(0.0);
+    let mut behind = 0;
+    // Most often the lanes are in one half.
+    if lanes & 0x0f != 0 {
+        let [half, _] = halves(simd, vectors);
+        let [a, b, c] = behind_terms(simd, half);
+        let bits = |half: S::F64s| simd.sign_bits_f64([half, nothing]);
+        behind |= bits(a) & bits(b) & bits(c);
+    }
+    if lanes & 0xf0 != 0 {
+        let [_, half] = halves(simd, vectors);
+        let [a, b, c] = behind_terms(simd, half);
+        let bits = |half: S::F64s| simd.sign_bits_f64([nothing, half]);
+        behind |= bits(a) & bits(b) & bits(c);
+    }
+    behind & lanes
 }
 
 /// The first four lanes and the last, as f64.

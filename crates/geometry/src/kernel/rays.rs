@@ -30,8 +30,9 @@ pub trait RaysFilter: Copy {
 
     /// As [`BlockFilter::possible_in_f64`], for a triangle and lanes of rays.
     #[inline(always)]
-    fn possible_in_f64(
+    fn possible_in_f64<S: Simd>(
         &self,
+        _simd: S,
         _rays: &RayLanes,
         _block: &TriangleBlock,
         _triangle: usize,

@@ -345,7 +345,7 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     if uncertain == 0 {
         return ControlFlow::Continue(());
     }
-    let possible = filter.possible_in_f64(ray, block, uncertain);
+    let possible = filter.possible_in_f64(simd, ray, block, uncertain);
     counter.decisions(Rung::F64, u64::from((uncertain & !possible).count_ones()));
     if possible == 0 {
         return ControlFlow::Continue(());

@@ -61,7 +61,7 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
     }
     let uncertain = verdict.possible & !verdict.certain & lanes;
     if uncertain != 0 {
-        let possible = filter.possible_in_f64(rays, block, triangle, uncertain);
+        let possible = filter.possible_in_f64(simd, rays, block, triangle, uncertain);
         for lane in lanes_of(possible) {
             let search = &mut searches[lane];
             let step = test_filtered(

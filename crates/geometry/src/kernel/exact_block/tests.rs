@@ -10,18 +10,37 @@ use super::*;
 use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, ReachBlockFilter, Woop};
 use crate::oracle::Oracle;
 use crate::predicate::compare_t;
-use crate::simd::{AvailableSimd, LANES, SimdLevel, WithSimd};
+use crate::simd::{AvailableSimd, SimdLevel, WithSimd, bits_of};
 use crate::test_support::{grid_point, point, soup};
 use crate::{
     Aabb, BruteForce, Precision, RayQuery, SurfacePoint, Triangle, TriangleKernel, size_of_bounds,
 };
 
-/// The lanes of a block that the filter gives up in f64, of all that are used.
+/// What the filter leaves of all lanes in f64.
+struct InF64<'a>(&'a Ray, &'a TriangleBlock, u32);
+
+impl WithSimd for InF64<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> u32 {
+        let Self(ray, block, lanes) = self;
+        let filter = ExactBlockFilter::new(ray, &FusedRay::new(ray, 1.0, 0.0));
+        filter.possible_in_f64(simd, ray, block, lanes)
+    }
+}
+
+/// The lanes of a block that the filter gives up in f64, of all that are used; together they are what each is alone.
 fn given_up_in_f64(ray: &Ray, triangles: &[Triangle]) -> u32 {
     let block = TriangleBlock::new((0..).zip(triangles.iter().copied()));
-    let fused = FusedRay::new(ray, 1.0, 0.0);
-    let filter = ExactBlockFilter::new(ray, &fused);
-    block.used() & !filter.possible_in_f64(ray, &block, block.used())
+    let possible = |level: AvailableSimd, lanes: u32| level.dispatch(InF64(ray, &block, lanes));
+    let alone = bits_of(u64::from(block.used()))
+        .map(|lane| possible(levels().next().expect("a level"), 1 << lane));
+    let alone = alone.fold(0, |all, lane| all | lane);
+    for level in levels() {
+        assert_eq!(possible(level, block.used()), alone, "{:?}", level.level());
+    }
+    block.used() & !alone
 }
 
 struct Test<'a, F> {

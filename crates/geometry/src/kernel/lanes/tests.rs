@@ -10,20 +10,20 @@ use crate::simd::{LANES, WithSimd};
 use crate::{Ray, Triangle};
 
 /// What the rung says of eight rays and triangles.
-struct OfLanes<'a>(&'a RayLanes, &'a VertexLanes);
+struct OfLanes<'a>(&'a RayLanes, &'a VertexLanes, u32);
 
 impl WithSimd for OfLanes<'_> {
     type Output = (HitLanes, u32);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> (HitLanes, u32) {
-        let Self(rays, vertices) = self;
+        let Self(rays, vertices, lanes) = self;
         let load = |[x, y, z]: &[Lanes; 3]| [simd.load(x), simd.load(y), simd.load(z)];
         let [a, b, c] = vertices;
         let vectors = [&rays.origin, &rays.direction, a, b, c].map(load);
         (
             certain_hits(simd, rays, vertices),
-            certainly_behind(simd, vectors),
+            certainly_behind(simd, vectors, lanes),
         )
     }
 }
@@ -52,7 +52,11 @@ fn check(scenes: &[(Ray, Triangle)]) -> [u32; 2] {
     }
     let mut counts = [0; 2];
     for level in levels() {
-        let (hits, behind) = level.dispatch(OfLanes(&rays, &vertices));
+        let (hits, behind) = level.dispatch(OfLanes(&rays, &vertices, 0xff));
+        for lanes in [0, 0x01, 0x0f, 0x28, 0x90] {
+            let (_, found) = level.dispatch(OfLanes(&rays, &vertices, lanes));
+            assert_eq!(found, behind & lanes, "of {lanes:b}");
+        }
         for (lane, (ray, triangle)) in scenes.iter().enumerate() {
             let name = level.level();
             let found = (hits.known >> lane & 1 != 0).then(|| hits.hit(lane));

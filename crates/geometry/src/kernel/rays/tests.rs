@@ -46,7 +46,7 @@ impl<F: RaysFilter> WithSimd for Test<'_, F> {
         lanes.t_max.0[..limits.len()].copy_from_slice(limits);
         let all = (0..triangles.len()).map(|triangle| filter.test(simd, &lanes, &block, triangle));
         let given_up = (0..triangles.len())
-            .map(|triangle| 0xff & !filter.possible_in_f64(&lanes, &block, triangle, 0xff));
+            .map(|triangle| 0xff & !filter.possible_in_f64(simd, &lanes, &block, triangle, 0xff));
         Some(Verdicts {
             of_rays: all.collect(),
             given_up: given_up.collect(),
