@@ -71,22 +71,19 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
 
     /// Makes it a packet of up to [`SIZE`] rays.
     #[inline(always)]
-    pub(super) fn fill(&mut self, rays: &'a [Ray]) {
-        self.searches.clear();
-        for (lanes, rays) in self.rays.iter_mut().zip(rays.chunks(LANES)) {
-            if rays.len() < LANES {
-                // Lanes that are not used have a ray of the packet, for the bounds, and take no part.
-                *lanes = RayLanes::splat(&rays[0]);
-                lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
-            }
-            for (lane, ray) in rays.iter().enumerate() {
+    pub(super) fn fill<S: Simd>(&mut self, simd: S, rays: &'a [Ray]) {
+        let (groups, rest) = rays.as_chunks::<LANES>();
+        for (lanes, rays) in self.rays.iter_mut().zip(groups) {
+            *lanes = RayLanes::new(simd, rays);
+        }
+        if let (Some(lanes), Some(first)) = (self.rays.get_mut(groups.len()), rest.first()) {
+            *lanes = lanes_beside(first);
+            for (lane, ray) in rest.iter().enumerate() {
                 lanes.set(lane, ray);
-                self.searches.push(RaySearch {
-                    ray,
-                    collector: H::new(ray),
-                });
             }
         }
+        self.searches.clear();
+        self.searches.extend(rays.iter().map(RaySearch::new));
     }
 
     /// Makes it a packet of the rays of some places.
@@ -95,15 +92,10 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
         for (place, index) in bits_of(places).enumerate() {
             let (lanes, ray) = (&mut self.rays[place / LANES % GROUPS], &rays[index]);
             if place.is_multiple_of(LANES) {
-                // As above.
-                *lanes = RayLanes::splat(ray);
-                lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
+                *lanes = lanes_beside(ray);
             }
             lanes.set(place % LANES, ray);
-            self.searches.push(RaySearch {
-                ray,
-                collector: H::new(ray),
-            });
+            self.searches.push(RaySearch::new(ray));
         }
     }
 
@@ -259,6 +251,13 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
             self.waiting[place] = child;
         }
     }
+}
+
+/// Lanes that are not used have a ray of the packet, for the bounds, and take no part.
+fn lanes_beside(ray: &Ray) -> RayLanes {
+    let mut lanes = RayLanes::splat(ray);
+    lanes.t_max = Lanes::splat(f32::NEG_INFINITY);
+    lanes
 }
 
 /// The searches of the rays of a packet, of which there is at least one.

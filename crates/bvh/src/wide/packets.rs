@@ -24,7 +24,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Packets<'_, K, H,
         } = self.0;
         let mut packet = Packet::<K, H>::new();
         for (rays, answers) in rays.chunks(SIZE).zip(answers.chunks_mut(SIZE)) {
-            packet.fill(rays);
+            packet.fill(simd, rays);
             let octants = Octants::new(simd, packet.rays());
             let all = u64::MAX >> (SIZE - rays.len());
             let mut left = all;

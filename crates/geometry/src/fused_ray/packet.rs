@@ -6,7 +6,7 @@
 //! four. For a plane behind all of the shifted origins the product is negative, and so of no matter to rays that begin at zero or later, as all of a packet do. What underflows is
 //! covered as it is there.
 
-use crate::simd::{Lanes, Simd};
+use crate::simd::{LANES, Lanes, Simd};
 use crate::{Axis, Ray};
 
 use super::{
@@ -62,6 +62,34 @@ impl RayLanes {
         OctantLanes {
             members: simd.bits(simd.and(simd.and(are_finite, is_somewhere), is_interval)),
             negative,
+        }
+    }
+
+    /// Eight rays.
+    #[inline(always)]
+    #[must_use]
+    pub fn new<S: Simd>(simd: S, rays: &[Ray; LANES]) -> Self {
+        let row = |ray: &Ray| {
+            let ([u, v, w], [x, y, z]) = (ray.origin.to_array(), ray.direction.to_array());
+            simd.load(&Lanes([u, v, w, x, y, z, ray.t_min, ray.t_max]))
+        };
+        let [a, b, c, d, e, f, g, h] = rays;
+        let rows = [
+            row(a),
+            row(b),
+            row(c),
+            row(d),
+            row(e),
+            row(f),
+            row(g),
+            row(h),
+        ];
+        let [u, v, w, x, y, z, t_min, t_max] = simd.transpose(rows);
+        Self {
+            origin: [simd.store(u), simd.store(v), simd.store(w)],
+            direction: [simd.store(x), simd.store(y), simd.store(z)],
+            t_min: simd.store(simd.add(t_min, simd.splat(0.0))),
+            t_max: simd.store(t_max),
         }
     }
 

@@ -17,6 +17,18 @@ pub struct RaySearch<'a, H> {
     pub collector: H,
 }
 
+impl<'a, H: HitCollector> RaySearch<'a, H> {
+    /// A search that has found nothing yet.
+    #[inline(always)]
+    #[must_use]
+    pub fn new(ray: &'a Ray) -> Self {
+        Self {
+            ray,
+            collector: H::new(ray),
+        }
+    }
+}
+
 /// The filter of a kernel for eight rays.
 pub type RaysFilterOf<K> = <<K as TriangleKernel>::Block as BlockFilter>::Rays;
 

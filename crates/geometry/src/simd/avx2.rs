@@ -178,6 +178,33 @@ impl Simd for Avx2 {
         self.bits(a)
     }
     #[inline(always)]
+    fn transpose(self, [a, b, c, d, e, f, g, h]: [__m256; LANES]) -> [__m256; LANES] {
+        // Four rows by four columns in each half of the registers: of two rows, then of four; at last halves of registers change places.
+        let two = |a, b| intrinsic!([_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b)]);
+        let four = |a, b| {
+            intrinsic!([
+                _mm256_shuffle_ps::<0b01_00_01_00>(a, b),
+                _mm256_shuffle_ps::<0b11_10_11_10>(a, b),
+            ])
+        };
+        let low = |a, b| intrinsic!(_mm256_permute2f128_ps::<0x20>(a, b));
+        let high = |a, b| intrinsic!(_mm256_permute2f128_ps::<0x31>(a, b));
+        let ([ab, ab2], [cd, cd2]) = (two(a, b), two(c, d));
+        let ([ef, ef2], [gh, gh2]) = (two(e, f), two(g, h));
+        let ([p0, p1], [p2, p3]) = (four(ab, cd), four(ab2, cd2));
+        let ([q0, q1], [q2, q3]) = (four(ef, gh), four(ef2, gh2));
+        [
+            low(p0, q0),
+            low(p1, q1),
+            low(p2, q2),
+            low(p3, q3),
+            high(p0, q0),
+            high(p1, q1),
+            high(p2, q2),
+            high(p3, q3),
+        ]
+    }
+    #[inline(always)]
     fn widen(self, a: __m256) -> [__m256d; 2] {
         intrinsic!([
             _mm256_cvtps_pd(_mm256_castps256_ps128(a)),

@@ -106,6 +106,9 @@ pub trait Simd: Doubles {
     /// The sign bits: bit `i` for lane `i`. Set for -0.0.
     fn sign_bits(self, a: Self::F32s) -> u32;
 
+    /// Lane `i` of vector `j` becomes lane `j` of vector `i`.
+    fn transpose(self, rows: [Self::F32s; LANES]) -> [Self::F32s; LANES];
+
     /// The first four lanes and the last, as f64.
     fn widen(self, a: Self::F32s) -> [Self::F64s; 2];
     /// The nearest f32.

@@ -131,6 +131,10 @@ impl Simd for Portable {
         self.bits(a.map(f32::is_sign_negative))
     }
     #[inline(always)]
+    fn transpose(self, rows: [Self::F32s; LANES]) -> [Self::F32s; LANES] {
+        std::array::from_fn(|lane| rows.map(|row| row[lane]))
+    }
+    #[inline(always)]
     fn widen(self, [a, b, c, d, e, f, g, h]: Self::F32s) -> [Self::F64s; 2] {
         [[a, b, c, d], [e, f, g, h]].map(|half| half.map(f64::from))
     }

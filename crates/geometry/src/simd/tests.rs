@@ -221,6 +221,34 @@ fn every_byte_is_the_same_number_in_every_lane_at_every_level() {
     }
 }
 
+/// Rows as columns.
+struct Transposed([Lanes; LANES]);
+
+impl WithSimd for Transposed {
+    type Output = [Lanes; LANES];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let rows = self.0.each_ref().map(|row| simd.load(row));
+        simd.transpose(rows).map(|column| simd.store(column))
+    }
+}
+
+#[test]
+fn rows_become_columns() {
+    let number = |row: usize, column: usize| (10 * row + column) as f32;
+    let rows = std::array::from_fn(|row| Lanes(std::array::from_fn(|lane| number(row, lane))));
+    let columns = std::array::from_fn(|lane| Lanes(std::array::from_fn(|row| number(row, lane))));
+    for level in levels() {
+        assert_eq!(
+            level.dispatch(Transposed(rows)),
+            columns,
+            "{:?}",
+            level.level()
+        );
+    }
+}
+
 /// Whether a part of an algorithm runs with the same level.
 struct Outlined(Lanes);
 

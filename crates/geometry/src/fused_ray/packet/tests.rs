@@ -238,3 +238,41 @@ fn rays_that_are_valid_and_begin_at_zero_or_later_may_be_in_packets() {
         }
     }
 }
+
+struct AllAtOnce([Ray; LANES]);
+
+impl WithSimd for AllAtOnce {
+    type Output = RayLanes;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> RayLanes {
+        RayLanes::new(simd, &self.0)
+    }
+}
+
+#[test]
+fn eight_rays_at_once_are_those_put_in_one_by_one() {
+    let ray = |lane: usize| {
+        let number = lane as f32;
+        let origin = Vec3::new(number, 0.5, -number);
+        Ray::with_interval(origin, Vec3::new(-1.0, number, 7.0), -0.0, number)
+    };
+    let rays: [Ray; LANES] = std::array::from_fn(ray);
+    let mut expected = RayLanes::splat(&rays[0]);
+    for (lane, ray) in rays.iter().enumerate() {
+        expected.set(lane, ray);
+    }
+    let bits = |lanes: &RayLanes| {
+        let RayLanes {
+            origin: [u, v, w],
+            direction: [x, y, z],
+            t_min,
+            t_max,
+        } = lanes;
+        [u, v, w, x, y, z, t_min, t_max].map(|lanes| lanes.0.map(f32::to_bits))
+    };
+    for level in SimdLevel::ALL.into_iter().filter_map(SimdLevel::available) {
+        let found = level.dispatch(AllAtOnce(rays));
+        assert_eq!(bits(&found), bits(&expected), "{:?}", level.level());
+    }
+}
