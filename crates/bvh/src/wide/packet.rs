@@ -1,8 +1,9 @@
 //! The traversal of a packet: rays that go nearly the same way.
 //!
 //! A node is tested once for all rays, by [what bounds them](Frustum). The boxes that this leaves are tested, when their turn comes, with
-//! eight rays at a time. Where few rays are left, each goes on alone. The triangles of a leaf are tested one by one with eight rays at a time, or eight at a time with one ray after the other,
-//! whichever takes fewer tests.
+//! eight rays at a time. Where few rays are left, each goes on alone. What happens in [leaves](leaf) depends on how many rays there are.
+
+mod leaf;
 
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
@@ -12,12 +13,12 @@ use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Lanes, Simd, WithSimd, bits_of};
 use tahko_geometry::{
     Axis, FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes, RaySearch,
-    RaysFilter, RaysFilterOf, TriangleBlock, TriangleKernel, test_block, test_rays,
+    RaysFilter, RaysFilterOf, TriangleKernel,
 };
 
+use self::leaf::{LeafOf, LeafOfAll};
 use super::access::View;
 use super::frustum::Frustum;
-use super::leaf::Leaf;
 use super::node::Node;
 use super::slabs::SlabConstants;
 use super::traverse::Way;
@@ -26,12 +27,8 @@ use super::{Child, Kind, WideNode};
 /// Rays of a packet at most: one bit each.
 pub(super) const SIZE: usize = 64;
 const GROUPS: usize = SIZE / LANES;
-/// So few rays go on alone. Measured with 4 to 24: the more the better where neighbours part soon, by up to a sixth (shadow rays among hairs), the fewer the better
-/// where they do not, by up to a tenth.
-const FEW: u32 = 8;
-/// What a test of a triangle with eight rays costs, in tests of a ray with eight triangles.
-const COST_OF_RAYS: [u32; 2] = [1, 2];
-
+/// So few rays go on alone. Measured with 4 and 8: 4 is better by up to 2 %, for primary rays.
+const FEW: u32 = 4;
 /// Rays that go into the same octant and begin at zero or later, with what they have found.
 pub(super) struct Packet<'a, K: TriangleKernel, H> {
     rays: [RayLanes; GROUPS],
@@ -196,41 +193,6 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
         u64::from(is_over) << place
     }
 
-    /// Tests the triangles of a block one by one with eight rays at a time; the filters decide.
-    #[inline(always)]
-    fn test_together<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
-        let mut left = rays;
-        for triangle in bits_of(u64::from(block.used())) {
-            for (group, searches) in self.searches.chunks_mut(LANES).enumerate() {
-                let lanes = (left >> (LANES * group) & 0xff) as u32;
-                if lanes == 0 {
-                    continue;
-                }
-                let prepared = (&mut self.rays[group], &self.filters[group]);
-                let place = (block, triangle % LANES);
-                let done = test_rays::<S, K, H>(simd, prepared, place, searches, lanes);
-                left &= !(u64::from(done) << (LANES * group));
-            }
-        }
-        rays & !left
-    }
-
-    /// Tests a block with one ray after the other; the filters decide.
-    #[inline(always)]
-    fn test_one_by_one<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
-        let mut done = 0;
-        for place in bits_of(rays) {
-            let (group, lane) = (place / LANES, place % LANES);
-            let filter = self.filters[group].of_lane(&self.rays[group], lane);
-            let search = &mut self.searches[place];
-            let kernels = (search.ray, &filter);
-            let step =
-                test_block::<S, K, H, ()>(simd, kernels, block, &mut search.collector, &mut ());
-            done |= self.keep(place, step);
-        }
-        done
-    }
-
     /// Lets the children of a node wait, the nearest one in front.
     #[inline(always)]
     fn wait(&mut self, node: Child, starts: &Lanes, hits: u32, rays: u64) {
@@ -332,63 +294,6 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
     }
 }
 
-/// The test of a leaf by rays whose filters decide, which tells those whose search is over.
-struct LeafOfAll<'p, 'a, K: TriangleKernel, H>(&'p mut Packet<'a, K, H>, &'p [TriangleBlock], u64);
-
-impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOfAll<'_, '_, K, H> {
-    type Output = u64;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> u64 {
-        let Self(packet, blocks, rays) = self;
-        let mut left = rays;
-        for block in blocks {
-            let tests_of_all = block.used().count_ones() * groups_of(left);
-            let [cost_of_rays, cost] = COST_OF_RAYS;
-            let done = if tests_of_all * cost_of_rays < left.count_ones() * cost {
-                packet.test_together(simd, block, left)
-            } else {
-                packet.test_one_by_one(simd, block, left)
-            };
-            left &= !done;
-            if !block.continues() || left == 0 {
-                break;
-            }
-        }
-        rays & !left
-    }
-}
-
-/// How many groups have rays.
-#[inline(always)]
-fn groups_of(rays: u64) -> u32 {
-    const BELOW_HIGHEST: u64 = u64::from_ne_bytes([0x7f; GROUPS]);
-    // The highest bit of each byte: whether the byte is not zero.
-    let in_groups = ((rays & BELOW_HIGHEST) + BELOW_HIGHEST) | rays;
-    (in_groups & !BELOW_HIGHEST).count_ones()
-}
-
-/// A ray's test of a leaf.
-struct LeafOf<'m, 'a, K, H, N>(View<'m, N>, &'m mut RaySearch<'a, H>, usize, PhantomData<K>);
-
-impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for LeafOf<'_, '_, K, H, N> {
-    type Output = ControlFlow<()>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
-        let Self(bvh, search, first_block, _) = self;
-        let fused = FusedRay::new(search.ray, bvh.size, K::REACH);
-        let leaf = Leaf::<K, H, ()> {
-            blocks: bvh.blocks_from(first_block),
-            ray: search.ray,
-            filter: &K::Block::new(search.ray, &fused),
-            collector: &mut search.collector,
-            counter: &mut (),
-        };
-        leaf.with_simd(simd)
-    }
-}
-
 /// A ray's way through a subtree.
 struct Alone<'m, 'a, K, H, N>(View<'m, N>, &'m mut RaySearch<'a, H>, Child, PhantomData<K>);
 
@@ -408,25 +313,5 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Alone<'_, '_, K, 
             counter: &mut (),
         };
         way.search(simd, child)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn groups_are_counted_that_have_any_ray() {
-        assert_eq!(groups_of(0), 0);
-        assert_eq!(groups_of(u64::MAX), 8);
-        for ray in 0..SIZE {
-            assert_eq!(groups_of(1 << ray), 1, "{ray}");
-            assert_eq!(
-                groups_of(1 << ray | 1 << ((ray + LANES) % SIZE)),
-                2,
-                "{ray}"
-            );
-        }
-        assert_eq!(groups_of(0x8000_0000_7f00_0100), 3);
     }
 }

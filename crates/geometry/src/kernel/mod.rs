@@ -16,7 +16,7 @@
 //! out what the kernel certainly rejects, and may name triangles that are *certain hits*, each with an interval around its `t`. What it says is true of
 //! the kernel, so answers depend neither on blocks nor on the vector instructions. Of a certain hit the kernel computes `t`, `u` and `v` only where they
 //! are needed: for the closest one at the end, and where the intervals of two overlap. [`ExactBlockFilter`] is that of the exact kernels. [`ReachBlockFilter`], that
-//! of the others, has bounds that are wider by the reach, and names no certain hits.
+//! of the others, has bounds that are wider by the reach, and names no certain hits. Each has a [`RaysFilter`] beside it, for eight rays of a packet and one triangle at a time.
 
 mod block;
 mod confirm;

@@ -63,3 +63,6 @@ pub(crate) fn widen_all<S: Simd>(simd: S, [x, y, z]: [S::F32s; 3]) -> Halves<S> 
     let [[x, u], [y, v], [z, w]] = [simd.widen(x), simd.widen(y), simd.widen(z)];
     [[x, y, z], [u, v, w]]
 }
+
+#[cfg(test)]
+mod tests;
