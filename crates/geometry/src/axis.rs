@@ -35,6 +35,12 @@ impl Axis {
         }
     }
 
+    /// The axes in cyclic order, this one last.
+    #[inline]
+    pub(crate) const fn around(self) -> [Self; 3] {
+        [self.next(), self.next().next(), self]
+    }
+
     /// The axis of the component with the largest magnitude; the first one on a tie.
     #[must_use]
     pub fn dominant(vector: glam::Vec3) -> Self {

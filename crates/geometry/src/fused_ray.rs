@@ -29,9 +29,11 @@ use glam::{Vec3A, Vec4};
 
 use crate::{Aabb, Ray};
 
+mod lanes;
 mod packet;
 
-pub use packet::{FusedPacket, GatheredBounds, PacketBounds, RayLanes};
+pub use lanes::{OctantLanes, RayLanes};
+pub use packet::{FusedPacket, GatheredBounds, PacketBounds};
 
 /// A ray prepared for vector box tests that never lose a hit of a kernel. The fourth components mean nothing.
 #[derive(Clone, Copy, Debug)]

@@ -68,7 +68,7 @@
 //!   [`test_block`].
 //! - [`ConservativeRay`] tests one box or plane at a time, [`FusedRay`] is for the boxes of nodes whose planes come in vectors.
 //! - [`TriangleBlock`] has up to eight triangles as vectors want them, of which a [`BlockFilter`] throws out those that are certainly not hit, and
-//!   names those that certainly are.
+//!   names those that certainly are. [`RayLanes`] has eight rays, which a [`RaysFilter`] tests with one triangle; [`test_rays`] is the step.
 //! - [`simd`] has vectors of eight numbers. An algorithm is written once and compiled for every level of instructions; the level is chosen
 //!   when the program runs.
 //!
@@ -107,18 +107,20 @@ pub use brute_force::BruteForce;
 pub use clipped_triangle::{ClippedTriangle, ClippedVertex};
 pub use conservative_ray::{ConservativeRay, Interval, Slabs};
 pub use fused_ray::{
-    FusedPacket, FusedRay, FusedSlabs, GatheredBounds, PacketBounds, RayLanes, size_of_bounds,
+    FusedPacket, FusedRay, FusedSlabs, GatheredBounds, OctantLanes, PacketBounds, RayLanes,
+    size_of_bounds,
 };
 pub use glam;
 pub use kernel::{
-    BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, TriangleHit, TriangleKernel, Woop,
+    BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, RaysFilter, TriangleHit,
+    TriangleKernel, Woop,
 };
 pub use mesh::{DroppedTriangle, MeshError, TriangleMesh};
 pub use plane::{Plane, Side};
 pub use polygon::{Polygon, PolygonError, Split};
 pub use query::{
-    AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery,
-    RungCounts, TraversalCounter, Traverse, test_block, test_triangle,
+    AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, RaySearch,
+    RaysFilterOf, RungCounts, TraversalCounter, Traverse, test_block, test_rays, test_triangle,
 };
 pub use ray::Ray;
 pub use statistics::{ExpectedVisits, TreeStatistics};

@@ -117,6 +117,12 @@ impl TriangleBlock {
         [vertex(a), vertex(b), vertex(c)]
     }
 
+    /// A coordinate of a lane's triangle.
+    #[inline(always)]
+    pub(crate) fn coordinate(&self, lane: usize, vertex: usize, axis: Axis) -> f32 {
+        self.vertices[vertex][axis as usize].0[lane]
+    }
+
     /// The coordinates of a lane's triangle, by vertex.
     #[inline(always)]
     pub(crate) fn coordinates(&self, lane: usize) -> [[f32; 3]; 3] {

@@ -7,49 +7,12 @@
 //! covered as it is there.
 
 use crate::simd::{Lanes, Simd};
-use crate::{Axis, Ray};
 
+use super::lanes::RayLanes;
 use super::{
     DIRECTIONS, FARTHEST, FARTHEST_IN_SIZES, RELATIVE_WIDENING, SHIFT, SHIFT_OF_SIZE,
     SMALLEST_COMPONENT, SMALLEST_SIZE, shift_for,
 };
-
-/// Eight rays, number by number.
-#[derive(Clone, Copy, Debug)]
-#[repr(C)]
-pub struct RayLanes {
-    origin: [Lanes; 3],
-    direction: [Lanes; 3],
-    /// The smallest `t` of each that counts.
-    pub t_min: Lanes,
-    /// The largest.
-    pub t_max: Lanes,
-}
-
-impl RayLanes {
-    /// Eight times the same ray.
-    #[must_use]
-    pub fn splat(ray: &Ray) -> Self {
-        let splat = |vector: glam::Vec3| vector.to_array().map(Lanes::splat);
-        Self {
-            origin: splat(ray.origin),
-            direction: splat(ray.direction),
-            t_min: Lanes::splat(ray.t_min + 0.0),
-            t_max: Lanes::splat(ray.t_max),
-        }
-    }
-
-    /// Puts a ray in the place of another one.
-    #[inline(always)]
-    pub fn set(&mut self, lane: usize, ray: &Ray) {
-        for axis in Axis::ALL {
-            self.origin[axis as usize].0[lane] = ray.origin[axis as usize];
-            self.direction[axis as usize].0[lane] = ray.direction[axis as usize];
-        }
-        self.t_min.0[lane] = ray.t_min + 0.0;
-        self.t_max.0[lane] = ray.t_max;
-    }
-}
 
 /// Eight rays prepared as [`FusedRay`](super::FusedRay) prepares one.
 #[derive(Clone, Copy, Debug)]
@@ -139,20 +102,14 @@ impl FusedPacket {
         size_and_reach: (f32, f32),
         bounds: &mut GatheredBounds,
     ) {
-        // No `map`: what is not inlined is compiled without the instructions of the level.
-        let [x, y, z] = &rays.origin;
-        let origin = [simd.load(x), simd.load(y), simd.load(z)];
+        let origin = rays.origins(simd);
         let distance = [
             simd.abs(origin[0]),
             simd.abs(origin[1]),
             simd.abs(origin[2]),
         ];
-        let [x, y, z] = &rays.direction;
-        let magnitude = [
-            simd.abs(simd.load(x)),
-            simd.abs(simd.load(y)),
-            simd.abs(simd.load(z)),
-        ];
+        let [x, y, z] = rays.directions(simd);
+        let magnitude = [simd.abs(x), simd.abs(y), simd.abs(z)];
         let shift = shift_of_all(simd, distance, magnitude, size_and_reach);
 
         for axis in 0..3 {

@@ -1,5 +1,6 @@
 //! What vector kernels say of a block of triangles.
 
+use super::rays::RaysFilter;
 use crate::simd::{Lanes, Simd};
 use crate::{FusedRay, Ray, TriangleBlock};
 
@@ -8,6 +9,9 @@ use crate::{FusedRay, Ray, TriangleBlock};
 /// It depends on the block and the ray how much it throws out; what it lets through, and what it calls certain, is true of the
 /// kernel that it belongs to. So answers do not depend on the level, on blocks, or on what else is in them.
 pub trait BlockFilter: Copy {
+    /// The filter of the same kernels for eight rays and one triangle.
+    type Rays: RaysFilter<Block = Self>;
+
     /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
     fn new(ray: &Ray, fused: &FusedRay) -> Self;
 
@@ -17,12 +21,18 @@ pub trait BlockFilter: Copy {
     /// A closer look at lanes that are possible, and not certain: a bit for each of them that the kernel may accept after all. The others it
     /// rejects, and would have by its f64 rung. The ray is the one that the filter was made for.
     #[inline(always)]
-    fn possible_in_f64(&self, _ray: &Ray, _block: &TriangleBlock, lanes: u32) -> u32 {
+    fn possible_in_f64<S: Simd>(
+        &self,
+        _simd: S,
+        _ray: &Ray,
+        _block: &TriangleBlock,
+        lanes: u32,
+    ) -> u32 {
         lanes
     }
 }
 
-/// What is known of the triangles of a block that may be hit.
+/// What is known of the triangles of a block that may be hit by a ray; or of the rays that may hit a triangle, a lane for each ray.
 #[derive(Clone, Copy, Debug)]
 pub struct BlockVerdict {
     /// A bit for each lane whose triangle may be hit: not 0. The others are certainly not.

@@ -40,9 +40,11 @@ use std::cmp::Ordering;
 
 use glam::Vec3;
 
+use super::lanes::{HitLanes, VertexLanes, certain_hits};
 use super::terms::{Terms, certain_hit};
 use crate::predicate::{EdgeRule, Rung, Sign, intersect_exactly, order_of_planes, passes_edges};
-use crate::{Ray, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
+use crate::simd::Simd;
+use crate::{Ray, RayLanes, TraversalCounter, Triangle, TriangleHit, TriangleKernel};
 
 /// The exact kernel: what it answers is true of the given numbers.
 ///
@@ -126,6 +128,15 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         // Copies: where kernel and triangle were made for this alone, what only the rare call wants of them is not computed or stored before.
         let triangle = *triangle;
         Self::new(&self.ray).intersect_in_f64(&triangle, f32::INFINITY, counter)
+    }
+
+    #[inline(always)]
+    fn intersect_certain_lanes<S: Simd>(
+        simd: S,
+        rays: &RayLanes,
+        vertices: &VertexLanes,
+    ) -> HitLanes {
+        certain_hits(simd, rays, vertices)
     }
 
     #[cold]

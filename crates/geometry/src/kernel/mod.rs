@@ -16,28 +16,34 @@
 //! out what the kernel certainly rejects, and may name triangles that are *certain hits*, each with an interval around its `t`. What it says is true of
 //! the kernel, so answers depend neither on blocks nor on the vector instructions. Of a certain hit the kernel computes `t`, `u` and `v` only where they
 //! are needed: for the closest one at the end, and where the intervals of two overlap. [`ExactBlockFilter`] is that of the exact kernels. [`ReachBlockFilter`], that
-//! of the others, has bounds that are wider by the reach, and names no certain hits.
+//! of the others, has bounds that are wider by the reach, and names no certain hits. Each has a [`RaysFilter`] beside it, for eight rays of a packet and one triangle at a time.
 
 mod block;
 mod confirm;
 mod exact;
 mod exact_block;
+mod lanes;
 mod moller_trumbore;
+mod rays;
 mod reach_block;
+mod sheared;
 mod terms;
 mod woop;
 
 pub use block::{BlockFilter, BlockVerdict};
 pub use exact::{Exact, ExactCrossing, Ladder};
-pub use exact_block::ExactBlockFilter;
+pub use exact_block::{ExactBlockFilter, ExactRaysFilter};
+pub use lanes::{HitLanes, VertexLanes};
 pub use moller_trumbore::MollerTrumbore;
-pub use reach_block::ReachBlockFilter;
+pub use rays::RaysFilter;
+pub use reach_block::{ReachBlockFilter, ReachRaysFilter};
 pub(crate) use terms::WEIGHT_ERROR;
 pub use woop::Woop;
 
 use std::cmp::Ordering;
 
-use crate::{Ray, TraversalCounter, Triangle};
+use crate::simd::Simd;
+use crate::{Ray, RayLanes, TraversalCounter, Triangle};
 
 /// The distance within which a kernel with a [`REACH`](TriangleKernel::REACH) keeps the promise in the module's documentation, for the largest coordinate
 /// difference `m`. The second term covers products that underflow.
@@ -91,6 +97,12 @@ impl TriangleHit {
     pub(crate) fn new(t: f32, u: f64, v: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
         let [u, v] = [u, v].map(|value| (value as f32).clamp(0.0, 1.0));
+        Self::in_triangle(t + 0.0, u, v)
+    }
+
+    /// A hit with `u` and `v` in `[0, 1]`.
+    #[inline]
+    fn in_triangle(t: f32, u: f32, v: f32) -> Self {
         // Seldom; which one is larger would be anyone's guess.
         if u + v >= 1.0 {
             // The difference is exact where it matters: where the larger weight is at least a half.
@@ -99,9 +111,9 @@ impl TriangleHit {
             } else {
                 (u.min(1.0 - v), v)
             };
-            return Self { t: t + 0.0, u, v };
+            return Self { t, u, v };
         }
-        Self { t: t + 0.0, u, v }
+        Self { t, u, v }
     }
 
     /// Rounds a hit to f32; `None` if `t`, rounded, is outside `[t_min, t_max]` or NaN.
@@ -163,6 +175,16 @@ pub trait TriangleKernel: Copy {
         counter: &mut C,
     ) -> Option<TriangleHit> {
         self.intersect(triangle, f32::INFINITY, counter)
+    }
+
+    /// The same for eight rays and a triangle of each, which it certainly hits, as far as it is quickly known. What is in lanes without a hit does not matter.
+    #[inline(always)]
+    fn intersect_certain_lanes<S: Simd>(
+        _simd: S,
+        _rays: &RayLanes,
+        _vertices: &VertexLanes,
+    ) -> HitLanes {
+        HitLanes::UNKNOWN
     }
 
     /// The order along the ray of two triangles that were hit at the same rounded `t`; equal where the kernel knows no more.

@@ -6,6 +6,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::predicate::{F64_ERROR, quotient};
+use crate::simd::{Doubles, Scalar};
 use crate::{Ray, Triangle, TriangleHit};
 
 /// Weights are taken from the f64 rung if their error is below this.
@@ -92,10 +93,64 @@ fn largest_component_f64(vector: DVec3) -> f64 {
     larger(vector.x.abs(), larger(vector.y.abs(), vector.z.abs()))
 }
 
-/// The hit of a triangle that the ray certainly hits: the f64 rung without its decisions; `None` if that is not sure of `t` and the weights.
+/// What is known of a hit that is certain; for one ray and triangle, or four.
+pub(super) struct CertainTerms<D: Doubles> {
+    /// Not above `t`, and not below it.
+    pub(super) ends: [D::F64s; 2],
+    pub(super) u: D::F64s,
+    pub(super) v: D::F64s,
+    /// Negative if the weights are not sure enough.
+    pub(super) slack: D::F64s,
+}
+
+/// A ray and a triangle: origin, direction and vertices.
+pub(super) type RayAndTriangle<F> = [[F; 3]; 5];
+
+/// The f64 rung without its decisions, for triangles that the ray certainly hits.
 ///
 /// The bounds are those of the rung with the sums of components in place of the largest ones, of which the compiler makes branches. That the
 /// determinant is certain follows from the weights; and as the exact `t` is in the ray's interval, so is the rounded one.
+#[inline(always)]
+pub(super) fn certain_terms<D: Doubles>(
+    n: D,
+    [origin, d, a, b, c]: RayAndTriangle<D::F64s>,
+) -> CertainTerms<D> {
+    let (f, e1, e2) = (minus(n, a, origin), minus(n, b, a), minus(n, c, a));
+    let (normal, moment) = (cross(n, e1, e2), cross(n, d, f));
+    let determinant = dot(n, d, normal);
+    let (minus_of_b, of_c) = (dot(n, e2, moment), dot(n, e1, moment));
+    let of_b = n.mul_f64(minus_of_b, n.splat_f64(-1.0));
+    let depth = dot(n, f, normal);
+
+    let [of_d, of_f, of_e1, of_e2] = [length(n, d), length(n, f), length(n, e1), length(n, e2)];
+    let certain_error = n.splat_f64(CERTAIN_ERROR);
+    let area_error = n.mul_f64(n.mul_f64(certain_error, of_e1), of_e2);
+    let determinant_error = n.mul_f64(area_error, of_d);
+    let error_of_edges = n.mul_f64(
+        n.mul_f64(n.mul_f64(certain_error, of_d), of_f),
+        n.add_f64(of_e1, of_e2),
+    );
+    let error_of_a = n.add_f64(determinant_error, error_of_edges);
+    // As `quotient`.
+    let reciprocal = n.div_f64(n.splat_f64(1.0), determinant);
+    let t = n.mul_f64(depth, reciprocal);
+    let magnitude = n.abs_f64(t);
+    let error = n.add_f64(
+        n.mul_f64(area_error, of_f),
+        n.mul_f64(magnitude, determinant_error),
+    );
+    let error = n.mul_f64(n.mul_f64(n.splat_f64(2.0), error), n.abs_f64(reciprocal));
+    let error = n.add_f64(error, n.mul_f64(magnitude, n.splat_f64(2.0 * f64::EPSILON)));
+    let limit = n.mul_f64(n.splat_f64(WEIGHT_ERROR), n.abs_f64(determinant));
+    CertainTerms {
+        ends: [n.sub_f64(t, error), n.add_f64(t, error)],
+        u: n.mul_f64(of_b, reciprocal),
+        v: n.mul_f64(of_c, reciprocal),
+        slack: n.sub_f64(limit, error_of_a),
+    }
+}
+
+/// The hit of a triangle that the ray certainly hits; `None` if f64 is not sure of `t` and the weights.
 #[inline(always)]
 pub(super) fn certain_hit(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit> {
     let vectors = [
@@ -105,28 +160,35 @@ pub(super) fn certain_hit(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit>
         triangle.b,
         triangle.c,
     ];
-    let [origin, d, a, b, c] = vectors.map(|vector| wide(vector.to_array()));
-    let (f, e1, e2) = (minus(a, origin), minus(b, a), minus(c, a));
-    let (normal, moment) = (cross(e1, e2), cross(d, f));
-    let determinant = dot(d, normal);
-    let (of_b, of_c) = (-dot(e2, moment), dot(e1, moment));
-    let depth = dot(f, normal);
-
-    let [of_d, of_f, of_e1, of_e2] = [d, f, e1, e2].map(length);
-    let area_error = CERTAIN_ERROR * of_e1 * of_e2;
-    let determinant_error = area_error * of_d;
-    let error_of_a = determinant_error + CERTAIN_ERROR * of_d * of_f * (of_e1 + of_e2);
-    // As `quotient`.
-    let reciprocal = 1.0 / determinant;
-    let t = depth * reciprocal;
-    let error = 2.0 * (area_error * of_f + t.abs() * determinant_error) * reciprocal.abs()
-        + t.abs() * (2.0 * f64::EPSILON);
+    let vectors = vectors.map(|vector| wide(vector.to_array()));
+    let CertainTerms { ends, u, v, slack } = certain_terms(Scalar, vectors);
     #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
-    let [low, high] = [t - error, t + error].map(|t| t as f32);
-    let is_certain = (error_of_a <= WEIGHT_ERROR * determinant.abs())
-        & (low == high)
-        & (low.abs() < f32::INFINITY);
-    is_certain.then(|| TriangleHit::new(low, of_b * reciprocal, of_c * reciprocal))
+    let [low, high] = ends.map(|t| t as f32);
+    let is_certain = (slack >= 0.0) & (low == high) & (low.abs() < f32::INFINITY);
+    is_certain.then(|| TriangleHit::new(low, u, v))
+}
+
+/// Numbers that are negative, all three, if a triangle's plane is certainly met before the origin; for one ray and triangle, or four.
+///
+/// None is so small that it underflows: that they are negative is told by their sign bits.
+#[inline(always)]
+pub(super) fn behind_terms<D: Doubles>(
+    n: D,
+    [origin, direction, a, b, c]: RayAndTriangle<D::F64s>,
+) -> [D::F64s; 3] {
+    let (f, e1, e2) = (minus(n, a, origin), minus(n, b, a), minus(n, c, a));
+    let normal = cross(n, e1, e2);
+    let (depth, determinant) = (dot(n, f, normal), dot(n, direction, normal));
+    let error = n.mul_f64(n.splat_f64(F64_ERROR), length(n, e1));
+    let error = n.mul_f64(error, length(n, e2));
+    [
+        n.sub_f64(n.mul_f64(error, length(n, f)), n.abs_f64(depth)),
+        n.sub_f64(
+            n.mul_f64(error, length(n, direction)),
+            n.abs_f64(determinant),
+        ),
+        n.mul_f64(depth, determinant),
+    ]
 }
 
 /// Whether a triangle's plane is certainly met before the origin.
@@ -136,15 +198,10 @@ pub(super) fn is_certainly_behind(
     direction: [f32; 3],
     [a, b, c]: [[f32; 3]; 3],
 ) -> bool {
-    let [origin, direction, a, b, c] = [origin, direction, a, b, c].map(wide);
-    let (f, e1, e2) = (minus(a, origin), minus(b, a), minus(c, a));
-    let normal = cross(e1, e2);
-    let (depth, determinant) = (dot(f, normal), dot(direction, normal));
-    let error = F64_ERROR * length(e1) * length(e2);
+    let [depth, determinant, product] =
+        behind_terms(Scalar, [origin, direction, a, b, c].map(wide));
     // Without branches between: the signs are as unpredictable.
-    (depth.abs() > error * length(f))
-        & (determinant.abs() > error * length(direction))
-        & (depth * determinant < 0.0)
+    (depth < 0.0) & (determinant < 0.0) & (product < 0.0)
 }
 
 #[inline(always)]
@@ -153,26 +210,29 @@ fn wide(vector: [f32; 3]) -> [f64; 3] {
 }
 
 #[inline(always)]
-fn minus(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    [p[0] - q[0], p[1] - q[1], p[2] - q[2]]
-}
-
-#[inline(always)]
-fn dot(p: [f64; 3], q: [f64; 3]) -> f64 {
-    p[0] * q[0] + p[1] * q[1] + p[2] * q[2]
-}
-
-#[inline(always)]
-fn cross(p: [f64; 3], q: [f64; 3]) -> [f64; 3] {
+fn minus<D: Doubles>(n: D, p: [D::F64s; 3], q: [D::F64s; 3]) -> [D::F64s; 3] {
     [
-        p[1] * q[2] - p[2] * q[1],
-        p[2] * q[0] - p[0] * q[2],
-        p[0] * q[1] - p[1] * q[0],
+        n.sub_f64(p[0], q[0]),
+        n.sub_f64(p[1], q[1]),
+        n.sub_f64(p[2], q[2]),
     ]
+}
+
+#[inline(always)]
+fn dot<D: Doubles>(n: D, p: [D::F64s; 3], q: [D::F64s; 3]) -> D::F64s {
+    let sum = n.add_f64(n.mul_f64(p[0], q[0]), n.mul_f64(p[1], q[1]));
+    n.add_f64(sum, n.mul_f64(p[2], q[2]))
+}
+
+#[inline(always)]
+fn cross<D: Doubles>(n: D, p: [D::F64s; 3], q: [D::F64s; 3]) -> [D::F64s; 3] {
+    let component = |i: usize, j: usize| n.sub_f64(n.mul_f64(p[i], q[j]), n.mul_f64(p[j], q[i]));
+    [component(1, 2), component(2, 0), component(0, 1)]
 }
 
 /// The sum of the magnitudes of components.
 #[inline(always)]
-fn length(vector: [f64; 3]) -> f64 {
-    vector[0].abs() + vector[1].abs() + vector[2].abs()
+fn length<D: Doubles>(n: D, vector: [D::F64s; 3]) -> D::F64s {
+    let [x, y, z] = vector;
+    n.add_f64(n.add_f64(n.abs_f64(x), n.abs_f64(y)), n.abs_f64(z))
 }

@@ -5,9 +5,11 @@ use std::ops::ControlFlow;
 use glam::{Vec3, Vec3A};
 
 use super::collector::{Candidate, CertainHit, HitCollector, compare};
-use super::{Hit, TraversalCounter, test_filtered};
+use super::{Hit, RaySearch, TraversalCounter, test_filtered};
+use crate::kernel::{HitLanes, VertexLanes};
 use crate::predicate::Rung;
-use crate::{Interval, Ray, Triangle, TriangleHit, TriangleKernel};
+use crate::simd::{LANES, Lanes, Simd};
+use crate::{Interval, Ray, RayLanes, Triangle, TriangleHit, TriangleKernel};
 
 /// Collects the closest hit: smallest `t`, then smallest primitive.
 ///
@@ -227,4 +229,49 @@ impl HitCollector for ClosestHit {
             Best::Certain => self.compute(&K::new(ray), counter),
         }
     }
+
+    #[inline(always)]
+    fn finish_lanes<S: Simd, K: TriangleKernel>(
+        simd: S,
+        rays: &RayLanes,
+        searches: &mut [RaySearch<'_, Self>],
+        mut answer: impl FnMut(usize, Option<Hit>),
+    ) {
+        let mut all = searches.iter().map(|search| &search.collector);
+        let hits = if all.any(|found| found.best == Best::Certain) {
+            K::intersect_certain_lanes(simd, rays, &vertices_of(searches))
+        } else {
+            HitLanes::UNKNOWN
+        };
+        for (lane, search) in searches.iter_mut().enumerate() {
+            let found = &search.collector;
+            let is_known = found.best == Best::Certain && hits.known >> lane & 1 != 0;
+            let hit = if is_known {
+                let TriangleHit { t, u, v } = hits.hit(lane % LANES);
+                Some(Hit {
+                    t,
+                    u,
+                    v,
+                    primitive: found.primitive,
+                })
+            } else {
+                search.collector.finish::<K, ()>(search.ray, &mut ())
+            };
+            answer(lane, hit);
+        }
+    }
+}
+
+/// The vertices of the best hits of up to eight searches.
+#[inline(always)]
+fn vertices_of(searches: &[RaySearch<'_, ClosestHit>]) -> VertexLanes {
+    let mut vertices = [[Lanes::splat(0.0); 3]; 3];
+    for (lane, search) in searches.iter().take(LANES).enumerate() {
+        for ([x, y, z], vertex) in vertices.iter_mut().zip(&search.collector.vertices) {
+            x.0[lane] = vertex.x;
+            y.0[lane] = vertex.y;
+            z.0[lane] = vertex.z;
+        }
+    }
+    vertices
 }

@@ -3,11 +3,12 @@
 use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
-use super::{Hit, TraversalCounter, test_filtered};
+use super::{Hit, RaySearch, TraversalCounter, test_filtered};
 use glam::{Vec3, Vec3A};
 
 use crate::predicate::Rung;
-use crate::{Interval, Ray, Triangle, TriangleHit, TriangleKernel};
+use crate::simd::Simd;
+use crate::{Interval, Ray, RayLanes, Triangle, TriangleHit, TriangleKernel};
 
 /// A triangle that a kernel accepted.
 #[derive(Clone, Copy, Debug)]
@@ -102,6 +103,19 @@ pub trait HitCollector: Sized {
         ray: &Ray,
         counter: &mut C,
     ) -> Self::Answer;
+
+    /// [`finish`](Self::finish) for up to eight searches, of the rays in the first lanes.
+    #[inline(always)]
+    fn finish_lanes<S: Simd, K: TriangleKernel>(
+        _simd: S,
+        _rays: &RayLanes,
+        searches: &mut [RaySearch<'_, Self>],
+        mut answer: impl FnMut(usize, Self::Answer),
+    ) {
+        for (lane, search) in searches.iter_mut().enumerate() {
+            answer(lane, search.collector.finish::<K, ()>(search.ray, &mut ()));
+        }
+    }
 }
 
 /// The order of hits along a ray: by `t`, then by primitive.

@@ -3,6 +3,7 @@
 mod closest;
 mod collector;
 mod counts;
+mod packet;
 
 use std::ops::ControlFlow;
 
@@ -11,6 +12,7 @@ use glam::Vec3;
 pub use closest::ClosestHit;
 pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
+pub use packet::{RaySearch, RaysFilterOf, test_rays};
 
 use crate::kernel::{BlockFilter, Exact, ExactCrossing, MollerTrumbore, Woop};
 use crate::predicate::Rung;
@@ -343,7 +345,7 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     if uncertain == 0 {
         return ControlFlow::Continue(());
     }
-    let possible = filter.possible_in_f64(ray, block, uncertain);
+    let possible = filter.possible_in_f64(simd, ray, block, uncertain);
     counter.decisions(Rung::F64, u64::from((uncertain & !possible).count_ones()));
     if possible == 0 {
         return ControlFlow::Continue(());

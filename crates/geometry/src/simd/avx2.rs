@@ -7,7 +7,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{LANES, Lanes, Simd, WithSimd};
+use super::{Doubles, LANES, Lanes, Simd, WithSimd};
 
 /// Shows that the processor has AVX2 and FMA.
 #[derive(Clone, Copy, Debug)]
@@ -53,6 +53,35 @@ macro_rules! intrinsic {
         // loads and stores, which are given memory of the right size, aligned where they want it: that of bytes need not be.
         unsafe { $call }
     };
+}
+
+impl Doubles for Avx2 {
+    type F64s = __m256d;
+
+    #[inline(always)]
+    fn splat_f64(self, value: f64) -> __m256d {
+        intrinsic!(_mm256_set1_pd(value))
+    }
+    #[inline(always)]
+    fn add_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        intrinsic!(_mm256_add_pd(a, b))
+    }
+    #[inline(always)]
+    fn sub_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        intrinsic!(_mm256_sub_pd(a, b))
+    }
+    #[inline(always)]
+    fn mul_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        intrinsic!(_mm256_mul_pd(a, b))
+    }
+    #[inline(always)]
+    fn div_f64(self, a: __m256d, b: __m256d) -> __m256d {
+        intrinsic!(_mm256_div_pd(a, b))
+    }
+    #[inline(always)]
+    fn abs_f64(self, a: __m256d) -> __m256d {
+        intrinsic!(_mm256_andnot_pd(_mm256_set1_pd(-0.0), a))
+    }
 }
 
 impl Simd for Avx2 {
@@ -164,6 +193,56 @@ impl Simd for Avx2 {
     #[expect(clippy::cast_sign_loss, reason = "the lowest eight bits")]
     fn bits(self, mask: __m256) -> u32 {
         intrinsic!(_mm256_movemask_ps(mask)) as u32
+    }
+    #[inline(always)]
+    fn sign_bits(self, a: __m256) -> u32 {
+        self.bits(a)
+    }
+    #[inline(always)]
+    fn transpose(self, [a, b, c, d, e, f, g, h]: [__m256; LANES]) -> [__m256; LANES] {
+        // Four rows by four columns in each half of the registers: of two rows, then of four; at last halves of registers change places.
+        let two = |a, b| intrinsic!([_mm256_unpacklo_ps(a, b), _mm256_unpackhi_ps(a, b)]);
+        let four = |a, b| {
+            intrinsic!([
+                _mm256_shuffle_ps::<0b01_00_01_00>(a, b),
+                _mm256_shuffle_ps::<0b11_10_11_10>(a, b),
+            ])
+        };
+        let low = |a, b| intrinsic!(_mm256_permute2f128_ps::<0x20>(a, b));
+        let high = |a, b| intrinsic!(_mm256_permute2f128_ps::<0x31>(a, b));
+        let ([ab, ab2], [cd, cd2]) = (two(a, b), two(c, d));
+        let ([ef, ef2], [gh, gh2]) = (two(e, f), two(g, h));
+        let ([p0, p1], [p2, p3]) = (four(ab, cd), four(ab2, cd2));
+        let ([q0, q1], [q2, q3]) = (four(ef, gh), four(ef2, gh2));
+        [
+            low(p0, q0),
+            low(p1, q1),
+            low(p2, q2),
+            low(p3, q3),
+            high(p0, q0),
+            high(p1, q1),
+            high(p2, q2),
+            high(p3, q3),
+        ]
+    }
+    #[inline(always)]
+    fn widen(self, a: __m256) -> [__m256d; 2] {
+        intrinsic!([
+            _mm256_cvtps_pd(_mm256_castps256_ps128(a)),
+            _mm256_cvtps_pd(_mm256_extractf128_ps::<1>(a)),
+        ])
+    }
+    #[inline(always)]
+    fn narrow(self, [first, last]: [__m256d; 2]) -> __m256 {
+        intrinsic!(_mm256_set_m128(
+            _mm256_cvtpd_ps(last),
+            _mm256_cvtpd_ps(first)
+        ))
+    }
+    #[inline(always)]
+    #[expect(clippy::cast_sign_loss, reason = "the lowest four bits")]
+    fn sign_bits_f64(self, [first, last]: [__m256d; 2]) -> u32 {
+        intrinsic!(_mm256_movemask_pd(first) | _mm256_movemask_pd(last) << 4) as u32
     }
     #[inline(always)]
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {

@@ -1,4 +1,4 @@
-//! Eight f32 lanes at a time, on whatever the processor has.
+//! Eight f32 lanes at a time, and four of f64, on whatever the processor has.
 //!
 //! An algorithm is written once, generic over [`Simd`], as a [`WithSimd`]. [`AvailableSimd::dispatch`] compiles it for every level, each
 //! inside one function that may use the level's instructions. A value of a level's type exists only where the processor has its
@@ -9,10 +9,13 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+mod doubles;
 mod portable;
 
 #[cfg(target_arch = "x86_64")]
 pub use avx2::Avx2;
+pub(crate) use doubles::widen_all;
+pub use doubles::{Doubles, Scalar};
 pub use portable::Portable;
 
 /// Lanes of a vector.
@@ -50,8 +53,8 @@ pub(crate) fn lanes_of(bits: u32) -> impl Iterator<Item = usize> {
     bits_of(u64::from(bits)).map(|lane| lane % LANES)
 }
 
-/// The operations of a level.
-pub trait Simd: Copy {
+/// The operations of a level; those on f64 take four lanes.
+pub trait Simd: Doubles {
     /// Eight numbers.
     type F32s: Copy;
     /// Eight truth values.
@@ -103,6 +106,19 @@ pub trait Simd: Copy {
     fn select(self, mask: Self::Mask, a: Self::F32s, b: Self::F32s) -> Self::F32s;
     /// Bit `i` for lane `i`.
     fn bits(self, mask: Self::Mask) -> u32;
+
+    /// The sign bits: bit `i` for lane `i`. Set for -0.0.
+    fn sign_bits(self, a: Self::F32s) -> u32;
+
+    /// Lane `i` of vector `j` becomes lane `j` of vector `i`.
+    fn transpose(self, rows: [Self::F32s; LANES]) -> [Self::F32s; LANES];
+
+    /// The first four lanes and the last, as f64.
+    fn widen(self, a: Self::F32s) -> [Self::F64s; 2];
+    /// The nearest f32.
+    fn narrow(self, halves: [Self::F64s; 2]) -> Self::F32s;
+    /// The sign bits of the first four lanes and the last: bit `i` for lane `i`. Set for -0.0.
+    fn sign_bits_f64(self, halves: [Self::F64s; 2]) -> u32;
 
     /// Runs a part of an algorithm in a function of its own: what it keeps in registers is not mixed with the rest.
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output;

@@ -1,6 +1,6 @@
 //! The level of every processor: arrays, which the compiler turns into what vectors the architecture is sure to have.
 
-use super::{LANES, Lanes, Simd, WithSimd};
+use super::{Doubles, LANES, Lanes, Simd, WithSimd};
 
 /// The level that every processor has.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +15,37 @@ impl Portable {
 }
 
 #[inline(always)]
-fn map<T: Copy, R>(a: [T; LANES], b: [T; LANES], operation: impl Fn(T, T) -> R) -> [R; LANES] {
+fn map<const N: usize, T: Copy, R>(a: [T; N], b: [T; N], operation: impl Fn(T, T) -> R) -> [R; N] {
     std::array::from_fn(|lane| operation(a[lane], b[lane]))
+}
+
+impl Doubles for Portable {
+    type F64s = [f64; LANES / 2];
+
+    #[inline(always)]
+    fn splat_f64(self, value: f64) -> Self::F64s {
+        [value; LANES / 2]
+    }
+    #[inline(always)]
+    fn add_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
+        map(a, b, |a, b| a + b)
+    }
+    #[inline(always)]
+    fn sub_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
+        map(a, b, |a, b| a - b)
+    }
+    #[inline(always)]
+    fn mul_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
+        map(a, b, |a, b| a * b)
+    }
+    #[inline(always)]
+    fn div_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
+        map(a, b, |a, b| a / b)
+    }
+    #[inline(always)]
+    fn abs_f64(self, a: Self::F64s) -> Self::F64s {
+        a.map(f64::abs)
+    }
 }
 
 impl Simd for Portable {
@@ -112,6 +141,31 @@ impl Simd for Portable {
     fn bits(self, mask: Self::Mask) -> u32 {
         let lanes = mask.into_iter().enumerate();
         lanes.fold(0, |bits, (lane, is_set)| bits | u32::from(is_set) << lane)
+    }
+    #[inline(always)]
+    fn sign_bits(self, a: Self::F32s) -> u32 {
+        self.bits(a.map(f32::is_sign_negative))
+    }
+    #[inline(always)]
+    fn transpose(self, rows: [Self::F32s; LANES]) -> [Self::F32s; LANES] {
+        std::array::from_fn(|lane| rows.map(|row| row[lane]))
+    }
+    #[inline(always)]
+    fn widen(self, [a, b, c, d, e, f, g, h]: Self::F32s) -> [Self::F64s; 2] {
+        [[a, b, c, d], [e, f, g, h]].map(|half| half.map(f64::from))
+    }
+    #[inline(always)]
+    fn narrow(self, halves: [Self::F64s; 2]) -> Self::F32s {
+        #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
+        let [[a, b, c, d], [e, f, g, h]] = halves.map(|half| half.map(|number| number as f32));
+        [a, b, c, d, e, f, g, h]
+    }
+    #[inline(always)]
+    fn sign_bits_f64(self, halves: [Self::F64s; 2]) -> u32 {
+        let lanes = halves.into_iter().flatten().enumerate();
+        lanes.fold(0, |bits, (lane, number)| {
+            bits | u32::from(number.is_sign_negative()) << lane
+        })
     }
     #[inline(always)]
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {

@@ -39,6 +39,10 @@ impl WithSimd for Operations {
             ("le", mask(simd.le(x, y))),
             ("and", mask(simd.and(less, not_more))),
             ("or", mask(simd.or(less, not_more))),
+            (
+                "sign",
+                std::array::from_fn(|lane| simd.sign_bits(x) >> lane),
+            ),
         ]
     }
 }
@@ -61,19 +65,19 @@ impl WithSimd for Fused {
     }
 }
 
-fn levels() -> impl Iterator<Item = AvailableSimd> {
+pub(super) fn levels() -> impl Iterator<Item = AvailableSimd> {
     SimdLevel::ALL.into_iter().filter_map(SimdLevel::available)
 }
 
 /// Equal bits; NaN equals any NaN, as which one an operation gives is not defined.
-fn are_equal(name: &str, found: u32, expected: u32) -> bool {
-    let is_number = !matches!(name, "lt" | "le" | "and" | "or");
+pub(super) fn are_equal(name: &str, found: u32, expected: u32) -> bool {
+    let is_number = !matches!(name, "lt" | "le" | "and" | "or" | "sign");
     found == expected
         || is_number && f32::from_bits(found).is_nan() && f32::from_bits(expected).is_nan()
 }
 
 /// Every operation as the trait defines it, number by number.
-fn by_definition([a, b, c]: [f32; 3], first: f32) -> [u32; 14] {
+fn by_definition([a, b, c]: [f32; 3], first: f32) -> [u32; 15] {
     let (less, not_more) = (a < b, b <= c);
     let numbers = [
         a,
@@ -87,12 +91,18 @@ fn by_definition([a, b, c]: [f32; 3], first: f32) -> [u32; 14] {
         f32::from_bits(a.to_bits() & (u32::MAX >> 1)),
         if less { b } else { c },
     ];
-    let truths = [less, a <= b, less && not_more, less || not_more];
+    let truths = [
+        less,
+        a <= b,
+        less && not_more,
+        less || not_more,
+        a.is_sign_negative(),
+    ];
     let mut all = numbers
         .map(f32::to_bits)
         .into_iter()
         .chain(truths.map(u32::from));
-    std::array::from_fn(|_| all.next().expect("ten numbers and four truth values"))
+    std::array::from_fn(|_| all.next().expect("ten numbers and five truth values"))
 }
 
 fn check(vectors: [Lanes; 3]) {
@@ -102,7 +112,7 @@ fn check(vectors: [Lanes; 3]) {
             let of_lane = vectors.map(|vector| vector.0[lane]);
             let expected = by_definition(of_lane, vectors[0].0[0]);
             for ((name, lanes), expected) in results.iter().zip(expected) {
-                let is_mask = matches!(*name, "lt" | "le" | "and" | "or");
+                let is_mask = matches!(*name, "lt" | "le" | "and" | "or" | "sign");
                 let found = if is_mask {
                     lanes[lane] & 1
                 } else {
@@ -143,7 +153,7 @@ fn check_fused(level: AvailableSimd, vectors: [Lanes; 3]) {
 }
 
 /// Numbers at which operations differ where they are not the same.
-const SPECIAL: [f32; 16] = [
+pub(super) const SPECIAL: [f32; 16] = [
     0.0,
     -0.0,
     1.0,
@@ -212,6 +222,34 @@ fn every_byte_is_the_same_number_in_every_lane_at_every_level() {
             let found = level.dispatch(Bytes(bytes)).0;
             assert_eq!(found, bytes.map(f32::from), "{:?}", level.level());
         }
+    }
+}
+
+/// Rows as columns.
+struct Transposed([Lanes; LANES]);
+
+impl WithSimd for Transposed {
+    type Output = [Lanes; LANES];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let rows = self.0.each_ref().map(|row| simd.load(row));
+        simd.transpose(rows).map(|column| simd.store(column))
+    }
+}
+
+#[test]
+fn rows_become_columns() {
+    let number = |row: usize, column: usize| (10 * row + column) as f32;
+    let rows = std::array::from_fn(|row| Lanes(std::array::from_fn(|lane| number(row, lane))));
+    let columns = std::array::from_fn(|lane| Lanes(std::array::from_fn(|row| number(row, lane))));
+    for level in levels() {
+        assert_eq!(
+            level.dispatch(Transposed(rows)),
+            columns,
+            "{:?}",
+            level.level()
+        );
     }
 }
 

@@ -4,7 +4,7 @@ use proptest::prelude::*;
 use super::super::tests::{box_around, point_of_ray};
 use super::*;
 use crate::simd::{LANES, SimdLevel, WithSimd};
-use crate::{Aabb, FusedRay, size_of_bounds};
+use crate::{Aabb, FusedRay, Ray, size_of_bounds};
 
 /// Eight rays prepared, and what bounds them.
 struct Prepare<'a> {

@@ -10,18 +10,37 @@ use super::*;
 use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, ReachBlockFilter, Woop};
 use crate::oracle::Oracle;
 use crate::predicate::compare_t;
-use crate::simd::{AvailableSimd, LANES, SimdLevel, WithSimd};
+use crate::simd::{AvailableSimd, SimdLevel, WithSimd, bits_of};
 use crate::test_support::{grid_point, point, soup};
 use crate::{
     Aabb, BruteForce, Precision, RayQuery, SurfacePoint, Triangle, TriangleKernel, size_of_bounds,
 };
 
-/// The lanes of a block that the filter gives up in f64, of all that are used.
+/// What the filter leaves of all lanes in f64.
+struct InF64<'a>(&'a Ray, &'a TriangleBlock, u32);
+
+impl WithSimd for InF64<'_> {
+    type Output = u32;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> u32 {
+        let Self(ray, block, lanes) = self;
+        let filter = ExactBlockFilter::new(ray, &FusedRay::new(ray, 1.0, 0.0));
+        filter.possible_in_f64(simd, ray, block, lanes)
+    }
+}
+
+/// The lanes of a block that the filter gives up in f64, of all that are used; together they are what each is alone.
 fn given_up_in_f64(ray: &Ray, triangles: &[Triangle]) -> u32 {
     let block = TriangleBlock::new((0..).zip(triangles.iter().copied()));
-    let fused = FusedRay::new(ray, 1.0, 0.0);
-    let filter = ExactBlockFilter::new(ray, &fused);
-    block.used() & !filter.possible_in_f64(ray, &block, block.used())
+    let possible = |level: AvailableSimd, lanes: u32| level.dispatch(InF64(ray, &block, lanes));
+    let alone = bits_of(u64::from(block.used()))
+        .map(|lane| possible(levels().next().expect("a level"), 1 << lane));
+    let alone = alone.fold(0, |all, lane| all | lane);
+    for level in levels() {
+        assert_eq!(possible(level, block.used()), alone, "{:?}", level.level());
+    }
+    block.used() & !alone
 }
 
 struct Test<'a, F> {
@@ -39,7 +58,7 @@ impl<F: BlockFilter> WithSimd for Test<'_, F> {
     }
 }
 
-fn levels() -> impl Iterator<Item = AvailableSimd> {
+pub(in crate::kernel) fn levels() -> impl Iterator<Item = AvailableSimd> {
     SimdLevel::ALL.into_iter().filter_map(SimdLevel::available)
 }
 
@@ -61,18 +80,55 @@ fn verdict<F: BlockFilter>(
     })
 }
 
-/// Checks what the filter says of some triangles against both exact kernels and exact comparisons.
-fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
+/// Checks what a filter says of a lane against both exact kernels and exact comparisons.
+pub(in crate::kernel) fn check_lane(
+    ray: &Ray,
+    triangle: &Triangle,
+    t_max: f32,
+    (verdict, lane): (Option<BlockVerdict>, usize),
+) -> Result<(), String> {
     let (exact, crossing) = (Exact::new(ray), ExactCrossing::new(ray));
-    let is_hit = |triangle: &Triangle, t_max: f32| {
+    let is_hit = |t_max: f32| {
         [
             exact.intersect(triangle, t_max, &mut ()).is_some(),
             crossing.intersect(triangle, t_max, &mut ()).is_some(),
         ]
     };
+    let bit = |bits: u32| bits >> lane & 1 == 1;
+    let Some(verdict) = verdict.filter(|verdict| bit(verdict.possible)) else {
+        if is_hit(t_max) != [false; 2] {
+            return Err(format!("{triangle:?}: a hit is thrown out"));
+        }
+        return Ok(());
+    };
+    if !bit(verdict.certain) {
+        return Ok(());
+    }
+    if is_hit(f32::INFINITY) != [true; 2] {
+        return Err(format!("{triangle:?}: certain, and no hit"));
+    }
+    let (start, end) = (verdict.starts.0[lane], verdict.ends.0[lane]);
+    let is_from_start = compare_t(ray, triangle, start).is_some_and(Ordering::is_ge);
+    let is_to_end = compare_t(ray, triangle, end).is_some_and(Ordering::is_le);
+    if !is_from_start || !is_to_end || start <= ray.t_min || end >= ray.t_max {
+        let hit = exact.intersect(triangle, f32::INFINITY, &mut ());
+        return Err(format!(
+            "{triangle:?}: {hit:?} is not inside [{start}, {end}]"
+        ));
+    }
+    Ok(())
+}
+
+/// Checks what the filter says of some triangles.
+fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
+    let (exact, crossing) = (Exact::new(ray), ExactCrossing::new(ray));
     let given_up = given_up_in_f64(ray, triangles);
     for (lane, triangle) in triangles.iter().enumerate() {
-        if given_up >> lane & 1 == 1 && is_hit(triangle, f32::INFINITY) != [false; 2] {
+        let is_hit = exact.intersect(triangle, f32::INFINITY, &mut ()).is_some()
+            || crossing
+                .intersect(triangle, f32::INFINITY, &mut ())
+                .is_some();
+        if given_up >> lane & 1 == 1 && is_hit {
             return Err(format!("{triangle:?}: a hit is given up in f64"));
         }
     }
@@ -80,27 +136,8 @@ fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
         let verdict = verdict::<ExactBlockFilter>(level, ray, triangles, t_max);
         let name = level.level();
         for (lane, triangle) in triangles.iter().enumerate() {
-            let bit = |bits: u32| bits >> lane & 1 == 1;
-            let fail = |what: String| Err(format!("{name:?}, {triangle:?}: {what}"));
-            let Some(verdict) = verdict.filter(|verdict| bit(verdict.possible)) else {
-                if is_hit(triangle, t_max) != [false; 2] {
-                    return fail("a hit is thrown out".to_owned());
-                }
-                continue;
-            };
-            if !bit(verdict.certain) {
-                continue;
-            }
-            if is_hit(triangle, f32::INFINITY) != [true; 2] {
-                return fail("certain, and no hit".to_owned());
-            }
-            let (start, end) = (verdict.starts.0[lane], verdict.ends.0[lane]);
-            let is_from_start = compare_t(ray, triangle, start).is_some_and(Ordering::is_ge);
-            let is_to_end = compare_t(ray, triangle, end).is_some_and(Ordering::is_le);
-            if !is_from_start || !is_to_end || start <= ray.t_min || end >= ray.t_max {
-                let hit = exact.intersect(triangle, f32::INFINITY, &mut ());
-                return fail(format!("{hit:?} is not inside [{start}, {end}]"));
-            }
+            check_lane(ray, triangle, t_max, (verdict, lane))
+                .map_err(|error| format!("{name:?}, {error}"))?;
         }
         if let Some(verdict) = verdict {
             let outside = u32::MAX << triangles.len();
@@ -172,7 +209,7 @@ fn scaled(vector: Vec3, power: i32) -> Vec3 {
 }
 
 /// Triangles, and a ray at a place of the first one: a corner, an edge, the inside, or beside it.
-fn scene(sizes: Range<i32>) -> impl Strategy<Value = (Vec<Triangle>, Ray)> {
+pub(in crate::kernel) fn scene(sizes: Range<i32>) -> impl Strategy<Value = (Vec<Triangle>, Ray)> {
     let shapes = prop::collection::vec(shape(), 1..=LANES);
     let weight = || prop_oneof![Just(0.0f32), Just(1.0), Just(0.5), -0.1f32..1.1];
     let interval = prop_oneof![

@@ -1,0 +1,163 @@
+//! Filters for eight rays of a packet and a triangle at a time: the other way round than [blocks](super::BlockFilter), and cheaper where many rays meet a leaf of few triangles.
+//!
+//! The rays are sheared onto a common axis; [`sheared`](super::sheared) says what that asks of them, and has the bounds.
+
+use super::block::{BlockFilter, BlockVerdict};
+use super::sheared::{DIRECTIONS, FARTHEST, Limits, Projected, Seen, Shear, T_ERROR, TINY_T};
+use crate::simd::{Lanes, Simd};
+use crate::{Axis, RayLanes, TriangleBlock};
+
+/// Eight rays prepared for testing single triangles, with the same promise as a [`BlockFilter`]: it depends on rays and triangles how much is thrown out, but answers do not.
+pub trait RaysFilter: Copy {
+    /// The filter of the same kernels for one ray and eight triangles.
+    type Block: BlockFilter;
+
+    /// Room for one.
+    const EMPTY: Self;
+
+    /// Prepares rays that are valid and begin at zero or later, for triangles inside bounds of a [size](crate::size_of_bounds). The axis is that of a large direction component, best of
+    /// the largest one; `false` if that is not large for one of the rays, or anything else is out of the range in which the filter decides. It must not be asked anything then.
+    fn prepare<S: Simd>(&mut self, simd: S, rays: &RayLanes, axis: Axis, size: f32) -> bool;
+
+    /// What can be said of a triangle of a block: `None` if the kernels of no ray accept it with `t`, rounded, up to the ray's present `t_max`. Lanes are those of rays.
+    fn test<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayLanes,
+        block: &TriangleBlock,
+        triangle: usize,
+    ) -> Option<BlockVerdict>;
+
+    /// As [`BlockFilter::possible_in_f64`], for a triangle and lanes of rays.
+    #[inline(always)]
+    fn possible_in_f64<S: Simd>(
+        &self,
+        _simd: S,
+        _rays: &RayLanes,
+        _block: &TriangleBlock,
+        _triangle: usize,
+        lanes: u32,
+    ) -> u32 {
+        lanes
+    }
+
+    /// The filter of one of the rays alone.
+    fn of_lane(&self, rays: &RayLanes, lane: usize) -> Self::Block;
+}
+
+/// What filters know of eight rays beside the rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RaysAlongAxis {
+    /// What they are sheared onto.
+    pub(super) axis: Axis,
+    /// The reciprocals of the direction components along it.
+    pub(super) reciprocal: Lanes,
+    /// The sizes of the largest direction components, and some roundings.
+    pub(super) along: Lanes,
+    /// What a computed `t` may be for an exact one from `t_min` on.
+    pub(super) first_t: Lanes,
+    /// The end of the interval: the `t_max` of [`RayLanes`] shrinks with what is found.
+    pub(super) end: Lanes,
+}
+
+impl RaysAlongAxis {
+    pub(super) const EMPTY: Self = Self {
+        axis: Axis::X,
+        reciprocal: Lanes::splat(1.0),
+        along: Lanes::splat(1.0),
+        first_t: Lanes::splat(0.0),
+        end: Lanes::splat(0.0),
+    };
+
+    /// Whether all rays are in the range in which filters decide.
+    #[inline(always)]
+    pub(super) fn prepare<S: Simd>(
+        &mut self,
+        simd: S,
+        rays: &RayLanes,
+        axis: Axis,
+        size: f32,
+    ) -> bool {
+        let [x, y, z] = rays.directions(simd);
+        let largest = simd.max(simd.max(simd.abs(x), simd.abs(y)), simd.abs(z));
+        let component = simd.load(&rays.direction[axis as usize]);
+        let along = simd.abs(component);
+        let [x, y, z] = rays.origins(simd);
+        let distance = simd.max(simd.max(simd.abs(x), simd.abs(y)), simd.abs(z));
+        let farthest = simd.mul(
+            simd.add(distance, simd.splat(size)),
+            simd.splat(1.0 + T_ERROR),
+        );
+        let t_min = simd.load(&rays.t_min);
+        let margin = simd.add(
+            simd.mul(simd.abs(t_min), simd.splat(T_ERROR)),
+            simd.splat(TINY_T),
+        );
+        *self = Self {
+            axis,
+            reciprocal: simd.store(simd.div(simd.splat(1.0), component)),
+            along: simd.store(simd.mul(largest, simd.splat(1.0 + T_ERROR))),
+            first_t: simd.store(simd.sub(t_min, margin)),
+            end: rays.t_max,
+        };
+        let is_in_range = simd.and(
+            simd.and(
+                simd.le(simd.splat(*DIRECTIONS.start()), along),
+                simd.le(largest, simd.splat(*DIRECTIONS.end())),
+            ),
+            simd.and(
+                simd.le(largest, simd.add(along, along)),
+                simd.le(farthest, simd.splat(FARTHEST)),
+            ),
+        );
+        simd.bits(is_in_range) == 0xff
+    }
+
+    /// A triangle as the rays see it.
+    #[inline(always)]
+    pub(super) fn see<S: Simd>(
+        &self,
+        simd: S,
+        rays: &RayLanes,
+        block: &TriangleBlock,
+        triangle: usize,
+    ) -> Seen<S> {
+        let [x, y, z] = self.axis.around();
+        let load = |lanes: &[Lanes; 3], axis: Axis| simd.load(&lanes[axis as usize]);
+        let shear = Shear {
+            x: load(&rays.direction, x),
+            y: load(&rays.direction, y),
+            reciprocal: simd.load(&self.reciprocal),
+            along: simd.load(&self.along),
+        };
+        let distance = |vertex: usize, axis: Axis| {
+            let coordinate = simd.splat(block.coordinate(triangle, vertex, axis));
+            simd.sub(coordinate, load(&rays.origin, axis))
+        };
+        let distances = |vertex: usize| {
+            [
+                distance(vertex, x),
+                distance(vertex, y),
+                distance(vertex, z),
+            ]
+        };
+        let a = Projected::new(simd, &shear, distances(0));
+        let b = Projected::new(simd, &shear, distances(1));
+        let c = Projected::new(simd, &shear, distances(2));
+        Seen::new(simd, &shear, [a, b, c])
+    }
+
+    /// The intervals of the rays.
+    #[inline(always)]
+    pub(super) fn limits<S: Simd>(&self, simd: S, rays: &RayLanes) -> Limits<S> {
+        Limits {
+            t_min: simd.load(&rays.t_min),
+            first_t: simd.load(&self.first_t),
+            t_max: simd.load(&rays.t_max),
+            end: simd.load(&self.end),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;
