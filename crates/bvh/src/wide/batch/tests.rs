@@ -122,6 +122,29 @@ proptest! {
     }
 }
 
+/// Rays of an octant that no axis suits, for which filters of eight rays do not decide.
+#[test]
+fn a_packet_of_rays_across_each_other_is_answered_as_single_rays_are() {
+    let facing = |axis: Vec3, a: Vec3, b: Vec3| {
+        let corner = 5.0 * axis - a - b;
+        [corner, corner + 4.0 * a, corner + 4.0 * b]
+    };
+    let mesh = tahko_geometry::test_support::soup(vec![
+        facing(Vec3::X, Vec3::Y, Vec3::Z),
+        facing(Vec3::Y, Vec3::Z, Vec3::X),
+    ]);
+    let rays: Vec<Ray> = (0..64u8)
+        .map(|index| {
+            let aside = f32::from(index) * 1e-3;
+            let directions = [Vec3::new(1.0, 0.0, aside), Vec3::new(0.0, 1.0, aside)];
+            Ray::new(Vec3::ZERO, directions[usize::from(index % 2)])
+        })
+        .collect();
+    let bvh = Bvh::build(&mesh, &BvhOptions::default()).expect("options in range");
+    assert!(rays.iter().all(|ray| bvh.any_hit(ray)), "all are hits");
+    check_all_precisions(&mesh, &rays);
+}
+
 #[test]
 fn rays_that_are_not_valid_hit_nothing_and_keep_their_places() {
     let mesh = tahko_geometry::test_support::soup(vec![[Vec3::ZERO, Vec3::X, Vec3::Y]; 20]);
