@@ -35,7 +35,8 @@
 //!
 //! # Memory
 //! Meshes that were measured take 67 to 90 bytes per triangle, a copy of the triangles included; those with few triangles per leaf take more. Each triangle is listed
-//! once, unless [spatial splits](BvhOptions::spatial_split_budget) are allowed, as they are in [`BvhOptions::high_quality`].
+//! once, unless [spatial splits](BvhOptions::spatial_split_budget) are allowed, or [slivers](BvhOptions::presplit_budget) are cut in pieces, as in [`BvhOptions::high_quality`]: long thin triangles along
+//! diagonals then take up to eight times the memory, and rays among them a fraction of the time.
 //! [`BvhOptions::build_memory`] estimates what a build takes. On Linux, large trees ask for huge pages. An eighth is boxes of nodes;
 //! [`NodeFormat::Quantised`] keeps three eighths of that.
 //!
