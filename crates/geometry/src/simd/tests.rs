@@ -22,10 +22,6 @@ impl WithSimd for Operations {
         let (less, not_more) = (simd.lt(x, y), simd.le(y, z));
         vec![
             ("load and store", lanes(x)),
-            ("halves", {
-                let [lower, upper] = simd.to_halves(x);
-                lanes(simd.halves(upper, lower))
-            }),
             ("splat", lanes(simd.splat(a.0[0]))),
             ("add", lanes(simd.add(x, y))),
             ("sub", lanes(simd.sub(x, y))),
@@ -62,6 +58,19 @@ impl WithSimd for Fused {
             simd.store(simd.mul_sub(x, y, z)),
             simd.store(simd.neg_mul_add(x, y, z)),
         ]
+    }
+}
+
+/// The halves of a vector in the other order.
+struct Swapped(Lanes);
+
+impl WithSimd for Swapped {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Lanes {
+        let [lower, upper] = simd.to_halves(simd.load(&self.0));
+        simd.store(simd.halves(upper, lower))
     }
 }
 
@@ -301,5 +310,15 @@ fn the_best_level_is_the_last_one_that_is_available() {
             "{}",
             level.name()
         );
+    }
+}
+
+#[test]
+fn halves_are_the_lower_and_the_upper_lanes() {
+    let vector = Lanes([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
+    for level in levels() {
+        let swapped = level.dispatch(Swapped(vector));
+        let expected = [5.0, 6.0, 7.0, 8.0, 1.0, 2.0, 3.0, 4.0];
+        assert_eq!(swapped.0, expected, "{level:?}");
     }
 }
