@@ -83,7 +83,6 @@ pub(crate) fn rates(
 }
 
 /// The pieces that a contender traces in its turns.
-#[derive(Clone)]
 struct Plan<'a> {
     contender: &'a dyn Contender,
     class: RayClass,
@@ -105,21 +104,13 @@ impl<'a> Plan<'a> {
             .iter()
             .map(|contender| Self::rough_rate(*contender, questions, turn))
             .collect();
-        let threads = threads.count();
-        let in_a_turn = turn.as_secs_f64() * threads as f64;
+        let seconds = turn.as_secs_f64() * threads.count() as f64;
         let slowest = rates.iter().copied().fold(f64::INFINITY, f64::min);
-        let all = questions.rays.len();
-        let affordable = to_count(slowest * in_a_turn, all);
-        let count = affordable.clamp(FEWEST.min(all), all);
-        let piece = (count / (PIECES * threads)).clamp(SMALLEST_PIECE, LARGEST_PIECE);
+        let count = rays_of_a_turn(slowest * seconds, questions.rays.len());
+        let piece = (count / (PIECES * threads.count())).clamp(SMALLEST_PIECE, LARGEST_PIECE);
         let plan = |(contender, rate): (&&'a dyn Contender, f64)| {
             let mut plan = Self::spread(*contender, questions, count, piece);
-            // Half a pass too few is near enough.
-            let passes = to_count(
-                (rate * in_a_turn * SHORTEST / plan.rays as f64).round(),
-                all,
-            );
-            plan.passes = passes.max(1);
+            plan.passes = passes_of_a_turn(rate * seconds, plan.rays);
             plan
         };
         contenders.iter().zip(rates).map(plan).collect()
@@ -209,15 +200,28 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The whole part of a number, up to `most`.
-fn to_count(number: f64, most: usize) -> usize {
+/// How many of all rays are traced, if the slowest contender gets through so many in a turn.
+fn rays_of_a_turn(affordable: f64, all: usize) -> usize {
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
         reason = "clamped to a count"
     )]
-    let count = number.clamp(0.0, most as f64) as usize;
-    count
+    let affordable = affordable.clamp(0.0, all as f64) as usize;
+    affordable.max(FEWEST.min(all))
+}
+
+/// How often a contender traces some rays that would get through so many in a turn.
+fn passes_of_a_turn(affordable: f64, rays: usize) -> usize {
+    // Half a pass too few is near enough.
+    let passes = (affordable * SHORTEST / rays as f64).round();
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "clamped to a count"
+    )]
+    let passes = passes.clamp(1.0, 1e6) as usize;
+    passes
 }
 
 /// Room for the answers to a piece.
@@ -369,13 +373,37 @@ mod tests {
         }
         let asked = [&fast, &slow.0].map(|recorder| recorder.asked.lock().unwrap().clone());
         assert_eq!(asked[0], asked[1]);
-        // What the slow one can do in a turn, about.
-        let count = asked[0].len();
-        assert!((FEWEST..3 * FEWEST).contains(&count), "{count}");
-        assert_eq!(plans[1].passes, 1);
-        assert!(plans[0].passes > 1, "2.5 ms of memory traffic");
-        let repeated = plans[0].rate(Threads::One);
-        assert!(repeated > plans[1].rate(Threads::One), "{repeated}");
+        assert!(
+            (FEWEST..rays.len()).contains(&asked[0].len()),
+            "some, not all"
+        );
+    }
+
+    #[test]
+    fn rates_tell_how_many_rays_a_turn_has_and_how_often() {
+        assert_eq!(rays_of_a_turn(2000.5, 60_000), 2000);
+        assert_eq!(
+            rays_of_a_turn(1e9, 60_000),
+            60_000,
+            "no more than there are"
+        );
+        assert_eq!(rays_of_a_turn(3.0, 60_000), FEWEST);
+        assert_eq!(rays_of_a_turn(3.0, 100), 100);
+        assert_eq!(rays_of_a_turn(f64::INFINITY, 100), 100, "nobody was timed");
+        // A sixteenth of a turn at the least.
+        assert_eq!(passes_of_a_turn(2000.0, 2000), 1);
+        assert_eq!(passes_of_a_turn(16.0 * 2000.0, 2000), 1);
+        assert_eq!(passes_of_a_turn(48.0 * 2000.0, 2000), 3);
+    }
+
+    #[test]
+    fn all_passes_count_as_rays() {
+        let rays = rays(1000);
+        let recorder = Recorder::default();
+        let mut plan = Plan::spread(&recorder, questions(&rays), 1000, 100);
+        plan.passes = 3;
+        plan.pass(Threads::One);
+        assert_eq!(recorder.asked.lock().unwrap().len(), 3 * plan.rays);
     }
 
     #[test]

@@ -53,13 +53,13 @@ impl Traverse for Bvh {
         collector: &mut H,
         counter: &mut C,
     ) -> H::Answer {
-        with_source!(self.layout(), source => self.simd().dispatch(Search::<K, H, C, _> {
+        with_source!(self.layout(), source => self.simd().dispatch(Search(Traversal::<K, H, C, _> {
             source,
             ray,
             kernel: PhantomData,
             collector,
             counter,
-        }))
+        })))
     }
 
     fn answers<K: TriangleKernel, H: HitCollector>(&self, rays: &[Ray], answers: &mut [H::Answer]) {
@@ -72,30 +72,7 @@ impl Traverse for Bvh {
     }
 }
 
-/// A traversal and the answer, both with the instructions of the level.
-struct Search<'a, K, H, C, N> {
-    source: Source<'a, N>,
-    ray: &'a Ray,
-    kernel: PhantomData<K>,
-    collector: &'a mut H,
-    counter: &'a mut C,
-}
-
-impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
-    for Search<'_, K, H, C, N>
-{
-    type Output = H::Answer;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> H::Answer {
-        let Self { source, ray, .. } = self;
-        let view = source.view();
-        search::<S, K, H, C, N>(simd, view, ray, &mut *self.collector, &mut *self.counter);
-        self.collector.finish::<K, C>(ray, self.counter)
-    }
-}
-
-/// A traversal alone.
+/// A traversal of a layout.
 struct Traversal<'a, K, H, C, N> {
     source: Source<'a, N>,
     ray: &'a Ray,
@@ -113,6 +90,28 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
     fn with_simd<S: Simd>(self, simd: S) {
         let view = self.source.view();
         search::<S, K, H, C, N>(simd, view, self.ray, self.collector, self.counter);
+    }
+}
+
+/// A traversal and the answer, both with the instructions of the level.
+struct Search<'a, K, H, C, N>(Traversal<'a, K, H, C, N>);
+
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
+    for Search<'_, K, H, C, N>
+{
+    type Output = H::Answer;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> H::Answer {
+        let Self(Traversal {
+            source,
+            ray,
+            collector,
+            counter,
+            ..
+        }) = self;
+        search::<S, K, H, C, N>(simd, source.view(), ray, collector, counter);
+        collector.finish::<K, C>(ray, counter)
     }
 }
 

@@ -12,9 +12,7 @@
 use super::block::{BlockFilter, BlockVerdict};
 use super::lanes::certainly_behind;
 use super::rays::{RaysAlongAxis, RaysFilter};
-use super::sheared::{
-    DIRECTIONS, FARTHEST, Limits, Projected, Seen, Shear, T_ERROR, TINY_T, first_t,
-};
+use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Shear, T_ERROR, TINY_T, first_t};
 use super::terms::is_certainly_behind;
 use crate::simd::{LANES, Simd};
 use crate::{Axis, FusedRay, Ray, RayLanes, TriangleBlock};
@@ -148,7 +146,8 @@ impl ExactBlockFilter {
     /// The triangles of a block as the ray sees them.
     #[inline(always)]
     pub(super) fn see<S: Simd>(&self, simd: S, block: &TriangleBlock) -> Seen<S> {
-        let [x, y, z] = self.z.around();
+        let axes = self.z.around();
+        let [x, y, _] = axes;
         let shear = Shear {
             x: simd.splat(self.direction[x as usize]),
             y: simd.splat(self.direction[y as usize]),
@@ -159,17 +158,7 @@ impl ExactBlockFilter {
             let origin = simd.splat(self.origin[axis as usize]);
             simd.sub(block.load(simd, vertex, axis), origin)
         };
-        let distances = |vertex: usize| {
-            [
-                distance(vertex, x),
-                distance(vertex, y),
-                distance(vertex, z),
-            ]
-        };
-        let a = Projected::new(simd, &shear, distances(0));
-        let b = Projected::new(simd, &shear, distances(1));
-        let c = Projected::new(simd, &shear, distances(2));
-        Seen::new(simd, &shear, [a, b, c])
+        Seen::new(simd, &shear, axes, distance)
     }
 }
 

@@ -3,7 +3,7 @@
 //! The rays are sheared onto a common axis; [`sheared`](super::sheared) says what that asks of them, and has the bounds.
 
 use super::block::{BlockFilter, BlockVerdict};
-use super::sheared::{DIRECTIONS, FARTHEST, Limits, Projected, Seen, Shear, T_ERROR, TINY_T};
+use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Shear, T_ERROR, TINY_T};
 use crate::simd::{Lanes, Simd};
 use crate::{Axis, RayLanes, TriangleBlock};
 
@@ -122,7 +122,8 @@ impl RaysAlongAxis {
         block: &TriangleBlock,
         triangle: usize,
     ) -> Seen<S> {
-        let [x, y, z] = self.axis.around();
+        let axes = self.axis.around();
+        let [x, y, _] = axes;
         let load = |lanes: &[Lanes; 3], axis: Axis| simd.load(&lanes[axis as usize]);
         let shear = Shear {
             x: load(&rays.direction, x),
@@ -134,17 +135,7 @@ impl RaysAlongAxis {
             let coordinate = simd.splat(block.coordinate(triangle, vertex, axis));
             simd.sub(coordinate, load(&rays.origin, axis))
         };
-        let distances = |vertex: usize| {
-            [
-                distance(vertex, x),
-                distance(vertex, y),
-                distance(vertex, z),
-            ]
-        };
-        let a = Projected::new(simd, &shear, distances(0));
-        let b = Projected::new(simd, &shear, distances(1));
-        let c = Projected::new(simd, &shear, distances(2));
-        Seen::new(simd, &shear, [a, b, c])
+        Seen::new(simd, &shear, axes, distance)
     }
 
     /// The intervals of the rays.

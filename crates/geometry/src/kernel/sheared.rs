@@ -22,6 +22,7 @@
 
 use std::ops::RangeInclusive;
 
+use crate::Axis;
 use crate::simd::Simd;
 
 /// The bound of the edge functions, relative to `P (P + Z)`.
@@ -75,7 +76,7 @@ pub(super) struct Projected<S: Simd> {
 impl<S: Simd> Projected<S> {
     /// Projects what is at a distance from the origin: along the other axes, in cyclic order, and along that of the shear.
     #[inline(always)]
-    pub(super) fn new(simd: S, shear: &Shear<S>, [x, y, z]: [S::F32s; 3]) -> Self {
+    fn new(simd: S, shear: &Shear<S>, [x, y, z]: [S::F32s; 3]) -> Self {
         let t = simd.mul(z, shear.reciprocal);
         Self {
             t,
@@ -111,8 +112,24 @@ pub(super) struct Seen<S: Simd> {
 }
 
 impl<S: Simd> Seen<S> {
+    /// Projects the vertices, given where each is from the origin along an axis, and the axes in cyclic order, that of the shear last.
     #[inline(always)]
-    pub(super) fn new(simd: S, shear: &Shear<S>, [a, b, c]: [Projected<S>; 3]) -> Self {
+    pub(super) fn new(
+        simd: S,
+        shear: &Shear<S>,
+        [x, y, z]: [Axis; 3],
+        distance: impl Fn(usize, Axis) -> S::F32s,
+    ) -> Self {
+        let distances = |vertex: usize| {
+            [
+                distance(vertex, x),
+                distance(vertex, y),
+                distance(vertex, z),
+            ]
+        };
+        let a = Projected::new(simd, shear, distances(0));
+        let b = Projected::new(simd, shear, distances(1));
+        let c = Projected::new(simd, shear, distances(2));
         let of_a = edge_function(simd, &c, &b);
         let of_b = edge_function(simd, &a, &c);
         let of_c = edge_function(simd, &b, &a);

@@ -27,6 +27,18 @@ impl<'a, H: HitCollector> RaySearch<'a, H> {
             collector: H::new(ray),
         }
     }
+
+    /// Keeps the ray's `t_max` after a step, in its lane. Whether the search is over, after which nothing matters to the ray.
+    #[inline(always)]
+    pub fn keep(&self, rays: &mut RayLanes, lane: usize, step: ControlFlow<()>) -> bool {
+        let is_over = step.is_break();
+        rays.t_max.0[lane % LANES] = if is_over {
+            f32::NEG_INFINITY
+        } else {
+            self.collector.t_max()
+        };
+        is_over
+    }
 }
 
 /// The filter of a kernel for eight rays.
@@ -68,7 +80,7 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
             let step = search
                 .collector
                 .collect_certain::<K, ()>(search.ray, &hit, &mut ());
-            done |= keep(rays, lane, &search.collector, step);
+            done |= u32::from(search.keep(rays, lane, step)) << lane;
         }
     }
     let uncertain = verdict.possible & !verdict.certain & lanes;
@@ -83,25 +95,8 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
                 &mut search.collector,
                 &mut (),
             );
-            done |= keep(rays, lane, &search.collector, step);
+            done |= u32::from(search.keep(rays, lane, step)) << lane;
         }
     }
     done
-}
-
-/// Keeps the `t_max` of a ray; its bit, if its search is over, after which nothing matters to it.
-#[inline(always)]
-fn keep<H: HitCollector>(
-    rays: &mut RayLanes,
-    lane: usize,
-    collector: &H,
-    step: ControlFlow<()>,
-) -> u32 {
-    let is_over = step.is_break();
-    rays.t_max.0[lane % LANES] = if is_over {
-        f32::NEG_INFINITY
-    } else {
-        collector.t_max()
-    };
-    u32::from(is_over) << lane
 }

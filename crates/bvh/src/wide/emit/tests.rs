@@ -138,3 +138,14 @@ fn the_depth_is_that_of_the_deepest_way() {
         );
     }
 }
+
+#[test]
+fn what_is_larger_than_the_caches_is_known() {
+    assert!(layout(20, 1, 8, 1.0).is_cached);
+    // More blocks than there is room for.
+    let count = CACHED / size_of::<TriangleBlock>() + 1;
+    let corners = (0..count).map(|i| Vec3::new(i as f32, 0.0, 0.0));
+    let mesh = soup(corners.map(|at| [at, at + Vec3::X, at + Vec3::Y]).collect());
+    let tree = BinaryTree::of(&mesh, &BvhOptions::fast().with_max_leaf_size(1));
+    assert!(!emit_with(&tree, &mesh, 1, 1.0).is_cached);
+}
