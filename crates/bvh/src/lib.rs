@@ -42,8 +42,8 @@
 //!
 //! # Queries
 //! - [`RayQuery`](tahko_geometry::RayQuery) has them. For many rays take its batches, `closest_hits` and `any_hits`. Neighbours in the list that go nearly the
-//!   same way, as those of a camera do in tiles of its picture, are traced as packets. Of others several are kept in flight where the tree is beyond the caches, so that some are worked on while others wait
-//!   for memory. `Bvh::closest_hits_parallel` and `Bvh::any_hits_parallel` share a batch among threads.
+//!   same way, as those of a camera do in tiles of its picture, are traced as packets. Of others several are kept in flight, so that some are worked on while others wait
+//!   for memory, or for a branch that was foreseen wrongly. `Bvh::closest_hits_parallel` and `Bvh::any_hits_parallel` share a batch among threads.
 //! - The instructions are chosen when the program runs: AVX2 and FMA of x86-64 where the processor has them, otherwise whatever every
 //!   processor of the architecture has. [`Bvh::with_simd`] makes another choice; AVX-512 and NEON have no code of their own yet.
 //! - At every precision a filter looks at eight triangles at a time and leaves few to the kernel. Only that of the exact precision is

@@ -1,4 +1,4 @@
-//! Many rays at a time: coherent ones in [packets](super::packets), others in turns or one by one.
+//! Many rays at a time: coherent ones in [packets](super::packets), others in turns.
 //!
 //! **In turns.** A single ray spends most of its time waiting: for the next node to come from memory, for one result of a chain of others, for a
 //! branch that was foreseen wrongly. So a thread has several rays in flight and gives each a step, a node or a leaf, in turn: while one waits the others work. What a ray
@@ -42,8 +42,6 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Batch<'_, K, H, N
     fn with_simd<S: Simd>(self, simd: S) {
         if are_coherent(self.rays, self.bvh.size) {
             simd.outline(Packets(self));
-        } else if self.bvh.is_cached {
-            simd.outline(OneByOne(self));
         } else {
             simd.outline(Turns(self));
         }
@@ -64,23 +62,6 @@ fn are_coherent(rays: &[Ray], size: f32) -> bool {
         from.dot(to) > 0.99 && distance <= size * 0.05
     });
     2 * similar.count() > count
-}
-
-/// One ray after the other.
-struct OneByOne<'a, K: TriangleKernel, H: HitCollector, N>(Batch<'a, K, H, N>);
-
-impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for OneByOne<'_, K, H, N> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        let Batch {
-            bvh, rays, answers, ..
-        } = self.0;
-        for (ray, answer) in rays.iter().zip(answers) {
-            *answer = search_one::<S, K, H, N>(simd, bvh, ray);
-        }
-    }
 }
 
 /// The search of a ray; one that is not valid hits nothing.
