@@ -46,6 +46,8 @@ pub struct FusedRay {
     pub far: FusedSlabs,
     /// Whether the direction is negative: bit `i` for axis `i`. Set for -0.0.
     pub negative: u32,
+    /// The beginning of the ray's interval, not -0.0: entries into boxes may be ordered as integers.
+    pub t_min: f32,
     /// The size of the largest component of the direction.
     pub largest: f32,
     /// No coordinate differs more between the origin and the bounds.
@@ -125,6 +127,7 @@ impl FusedRay {
             near: FusedSlabs::new(origin + shift, reciprocal * (1.0 - RELATIVE_WIDENING)),
             far: FusedSlabs::new(origin - shift, reciprocal * (1.0 + RELATIVE_WIDENING)),
             negative: direction.is_negative_bitmask() & 7,
+            t_min: ray.t_min + 0.0,
             largest,
             farthest,
         }

@@ -210,7 +210,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         let nearest = match self.child.kind() {
             Kind::Inner(index) => {
                 let node = bvh.node(index);
-                let slabs = Slabs::new(simd, &self.fused, self.ray.t_min);
+                let slabs = Slabs::new(simd, &self.fused);
                 let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
                 let hits = simd.bits(hits);
                 if hits == 0 {

@@ -19,14 +19,13 @@ pub(super) struct Slabs<S: Simd> {
 impl<S: Simd> Slabs<S> {
     /// The ray is read from memory, into all lanes: the place of each of its numbers is all that has to be known for that.
     #[inline(always)]
-    pub(super) fn new(simd: S, ray: &FusedRay, t_min: f32) -> Self {
+    pub(super) fn new(simd: S, ray: &FusedRay) -> Self {
         Self {
             simd,
             near: splat(simd, &ray.near),
             far: splat(simd, &ray.far),
             negative: ray.negative,
-            // Entries are ordered as integers: no negative zero.
-            t_min: simd.splat(t_min + 0.0),
+            t_min: simd.splat(ray.t_min),
         }
     }
 

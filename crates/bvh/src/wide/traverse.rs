@@ -170,7 +170,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> Way<'_, K
             // Nodes have a loop of their own, without calls: what they are tested with stays in registers. It is read anew after a leaf. Without the box
             // the compiler would know the registers' contents from before and save them around the call, which is as much to read, and as much again to write.
             let limit = simd.splat(t_max);
-            let slabs = Slabs::new(simd, black_box(fused), ray.t_min);
+            let slabs = Slabs::new(simd, black_box(fused));
             let first_block = loop {
                 counter.node_visit();
                 let index = match current.kind() {
