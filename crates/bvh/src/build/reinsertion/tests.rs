@@ -40,26 +40,21 @@ fn leaves(tree: &BinaryTree) -> Vec<(Vec<u32>, [[u32; 3]; 2])> {
     leaves
 }
 
-/// Checks the form of a tree: children behind their parents, reached once, tight boxes, depth.
+/// Checks the form of a tree: all nodes reached once, tight boxes, depth.
 fn check(name: &str, tree: &BinaryTree) {
-    let mut depths = vec![0; tree.nodes.len()];
-    depths[0] = 1;
-    let mut inner_count = 0;
-    for node in 0..tree.nodes.len() {
-        let (bounds, link) = tree.node(node);
-        if let Link::Inner(children) = link {
-            assert!(depths[node] > 0, "{name}: {node} is not reached");
-            inner_count += 1;
-            for child in children {
-                assert!(child > node && depths[child] == 0, "{name}: {child}");
-                depths[child] = depths[node] + 1;
-            }
+    let mut is_reached = vec![false; tree.nodes.len()];
+    let mut pending = vec![(0, 1)];
+    while let Some((node, depth)) = pending.pop() {
+        assert!(!is_reached[node], "{name}: {node} is reached twice");
+        assert!(depth <= MAX_DEPTH, "{name}: {node} at {depth}");
+        is_reached[node] = true;
+        if let (bounds, Link::Inner(children)) = tree.node(node) {
             let [first, second] = children.map(|child| tree.node(child).0);
             assert_eq!(bounds, first.union(second), "{name}: {node}");
+            pending.extend(children.map(|child| (child, depth + 1)));
         }
     }
-    assert_eq!(inner_count, tree.inner_count, "{name}");
-    assert!(depths.iter().all(|depth| *depth <= MAX_DEPTH), "{name}");
+    assert!(is_reached.iter().all(|reached| *reached), "{name}");
 }
 
 /// Improves a tree one round at a time and checks it after each. Returns the costs before and after.
