@@ -116,6 +116,22 @@ fn triangles_of_mixed_sizes_get_a_cheaper_tree() {
 }
 
 #[test]
+fn to_look_near_changes_only_finds_nearly_all_that_there_is() {
+    let mesh = mixed_sizes(3000);
+    let [mut near, mut all] = [build(&mesh), build(&mesh)];
+    improve(&mut near, 1, &BuildControl::new()).expect("nobody cancels it");
+    let first = cost(&near);
+    near = build(&mesh);
+    improve(&mut near, 3, &BuildControl::new()).expect("nobody cancels it");
+    for _ in 0..3 {
+        // The first round of each looks at all.
+        improve(&mut all, 1, &BuildControl::new()).expect("nobody cancels it");
+    }
+    let (near, all) = (first - cost(&near), first - cost(&all));
+    assert!(near > 0.8 * all, "a gain of {near} for {all}");
+}
+
+#[test]
 fn the_gain_that_a_search_promises_is_what_the_move_brings() {
     let tree = build(&mixed_sizes(1000));
     let pairs = PairTree::new(&tree);

@@ -212,7 +212,8 @@ impl SpatialBuilder<'_> {
             return Some(parts);
         }
         let room = buffer.len() - count;
-        let plane = bins::best(&buffer[..count], &extent.bounds, self.mesh, room);
+        let simd = self.base.simd;
+        let plane = bins::best(&buffer[..count], &extent.bounds, self.mesh, room, simd);
         let Some(plane) = plane.filter(|plane| plane.cost < cost) else {
             return Some(parts);
         };
