@@ -199,7 +199,7 @@ mod tests {
         let expected = [
             0xdfb6_c27a_472c_67cb,
             0x6350_2a7a_1648_ad85,
-            0x6d0c_0d93_a801_ab92,
+            0xfca8_0f05_ef2f_1e06,
             0x475e_162e_60cc_c283,
         ];
         assert_eq!(found.map(|(hash, _)| hash), expected, "{found:x?}");

@@ -29,8 +29,13 @@ pub(crate) struct Part<'a, T> {
 impl<T: Copy> Filling<T> {
     /// A list of `count` values.
     pub(crate) fn new(count: usize) -> Self {
+        Self::with_room(count, 0)
+    }
+
+    /// A list of `count` values with room for some more, to be added when it is finished.
+    pub(crate) fn with_room(count: usize, more: usize) -> Self {
         Self {
-            list: huge_pages::with_capacity(count),
+            list: huge_pages::with_capacity(count + more),
             count,
             written: AtomicUsize::new(0),
         }

@@ -1,5 +1,6 @@
 //! The only place that knows of threads. Nothing here lets their number reach a result.
 
+use std::cmp::Ordering;
 use std::ops::Range;
 
 use crate::huge_pages;
@@ -20,19 +21,32 @@ fn join<A, B>(first: impl FnOnce() -> A, second: impl FnOnce() -> B) -> (A, B) {
 }
 
 /// The values of a function for `0..count`, in order.
-#[cfg(feature = "parallel")]
 pub(crate) fn collect<T: Send>(count: usize, value: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    collect_with_room(count, count, value)
+}
+
+/// The same in a list with room for `capacity` values, as many or more.
+#[cfg(feature = "parallel")]
+pub(crate) fn collect_with_room<T: Send>(
+    count: usize,
+    capacity: usize,
+    value: impl Fn(usize) -> T + Sync + Send,
+) -> Vec<T> {
     use rayon::prelude::*;
-    let mut list = huge_pages::with_capacity(count);
+    let mut list = huge_pages::with_capacity(capacity);
     let values = (0..count).into_par_iter().with_min_len(CHUNK);
     values.map(value).collect_into_vec(&mut list);
     list
 }
 
-/// The values of a function for `0..count`, in order.
+/// The same in a list with room for `capacity` values, as many or more.
 #[cfg(not(feature = "parallel"))]
-pub(crate) fn collect<T>(count: usize, value: impl Fn(usize) -> T) -> Vec<T> {
-    let mut list = huge_pages::with_capacity(count);
+pub(crate) fn collect_with_room<T>(
+    count: usize,
+    capacity: usize,
+    value: impl Fn(usize) -> T,
+) -> Vec<T> {
+    let mut list = huge_pages::with_capacity(capacity);
     list.extend((0..count).map(value));
     list
 }
@@ -51,6 +65,19 @@ pub(crate) fn collect_each<T: Sync, R: Send>(
 #[cfg(not(feature = "parallel"))]
 pub(crate) fn collect_each<T, R>(items: &[T], value: impl Fn(&T) -> R) -> Vec<R> {
     items.iter().map(value).collect()
+}
+
+/// Sorts by a total order in which no two items are equal.
+#[cfg(feature = "parallel")]
+pub(crate) fn sort<T: Send>(items: &mut [T], order: impl Fn(&T, &T) -> Ordering + Sync) {
+    use rayon::prelude::*;
+    items.par_sort_unstable_by(order);
+}
+
+/// Sorts by a total order in which no two items are equal.
+#[cfg(not(feature = "parallel"))]
+pub(crate) fn sort<T>(items: &mut [T], order: impl Fn(&T, &T) -> Ordering) {
+    items.sort_unstable_by(order);
 }
 
 /// How many tasks can run at the same time.

@@ -87,7 +87,8 @@ impl BvhOptions {
             BuildMethod::TopDown => 2 * node_bytes + pieces * size::<Reference>(),
         };
         let reinsertion = if self.reinsertion_rounds > 0 {
-            2 * (number_bytes + node_bytes) + 16 * references
+            // Pairs of the upper part of the tree, for a moment twice: one for some six references.
+            number_bytes + node_bytes + 32 * references
         } else {
             0
         };

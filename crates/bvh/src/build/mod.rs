@@ -25,7 +25,7 @@ use tahko_geometry::{Aabb, TriangleMesh};
 use self::node::BuildNode;
 use self::reference::Reference;
 use crate::control::Work;
-use crate::parallel::{collect, reduce};
+use crate::parallel::{collect, collect_with_room};
 use crate::report::Stopwatch;
 use crate::{BuildControl, BuildError, BuildMethod, BuildPhase, BvhOptions};
 
@@ -48,11 +48,10 @@ const WORK_UNIT: u64 = 64;
 /// A binary tree over references in leaf order.
 #[derive(Default)]
 pub(crate) struct BinaryTree {
-    /// The root first, and children after their parents.
+    /// The root first. There may be some that no node links to.
     nodes: Vec<BuildNode>,
+    /// There may be some that no leaf lists.
     pub(crate) references: Vec<TriangleNumber>,
-    /// Nodes with children.
-    pub(crate) inner_count: usize,
     /// References that the build began with: triangles, or pieces of them.
     pub(crate) pieces: usize,
 }
@@ -65,11 +64,6 @@ impl TriangleNumber {
     pub(crate) const fn number(self) -> u32 {
         self.0
     }
-}
-
-/// Nodes with children.
-fn inner_count(nodes: &[BuildNode]) -> usize {
-    nodes.iter().filter(|node| !node.is_leaf()).count()
 }
 
 impl BinaryTree {
@@ -103,7 +97,9 @@ impl BinaryTree {
                 clusters::build(mesh, &numbers, scale, options, control)?
             }
             BuildMethod::TopDown => {
-                let references = collect(mesh.len(), |number| Reference::new(mesh, number));
+                let room = options.most_references(mesh.len(), mesh.len());
+                let reference = |number| Reference::new(mesh, number);
+                let references = collect_with_room(mesh.len(), room, reference);
                 let most = options.most_pieces(mesh.len(), control.memory_limit());
                 let mut references = spatial::presplit::split(references, mesh, most, &work(1))?;
                 pieces = references.len();
@@ -124,7 +120,6 @@ impl BinaryTree {
         };
         stopwatch.end(BuildPhase::Tree);
         let mut tree = Self {
-            inner_count: reduce(&nodes, &inner_count, &|a, b| a + b),
             nodes,
             references,
             pieces,

@@ -9,7 +9,7 @@ use crate::parallel::for_each;
 ///
 /// An inner node names its children in `links`. A leaf has [`LEAF`] set in the second link, its number of references in the
 /// other bits, and its first reference in the first link.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BuildNode {
     min: Vec3,
     max: Vec3,

@@ -2,7 +2,7 @@
 //!
 //! A subtree `X` is taken out, its sibling takes the place of their parent, and a new parent of `X` and some other node `Y` is put where `Y` was. The
 //! sum of the areas of all inner nodes, to which the expected cost of rays is proportional, falls by what [`search`] computes. In each round
-//! the nodes of the largest area look for their best places at the same time, in the tree as it stands. The moves are then made one by one, those that
+//! the nodes of the largest area look for their best places at the same time, in the tree as it stands; after the first one those only near which something has changed, or whose move was not made. The moves are then made one by one, those that
 //! gain most first, unless an earlier move of the round has changed a node that they need.
 //!
 //! **What could go wrong, and does not.**
@@ -21,11 +21,12 @@
 
 mod pairs;
 mod search;
+mod transfer;
 
 use self::pairs::PairTree;
 use self::search::Move;
 use super::BinaryTree;
-use crate::parallel::collect_each;
+use crate::parallel::{collect_each, sort};
 use crate::{BuildControl, BuildError};
 
 /// The part of the nodes that look for a better place in each round. With a tenth, three rounds gained 60 to 70 % as much in interiors; with all
@@ -34,7 +35,7 @@ const SHARE: f64 = 0.3;
 
 /// Improves a tree in some rounds; ends early when a round finds nothing to gain.
 ///
-/// Cost: O(n) for each round, and the searches, measured 0.4 microseconds for each node of the upper part of the tree that takes part; some 30 bytes per triangle.
+/// Cost: O(n) for each round, and the searches, measured 0.4 microseconds for each node of the upper part of the tree that takes part; some 30 bytes per reference.
 ///
 /// # Errors
 /// If the build was cancelled: the tree is then as it was.
@@ -43,15 +44,19 @@ pub(super) fn improve(
     rounds: usize,
     control: &BuildControl,
 ) -> Result<(), BuildError> {
-    // The least tree with a node that is neither the root nor a child of it, and a place to go.
-    if rounds == 0 || tree.inner_count < 3 {
-        return Ok(());
-    }
     let mut pairs = PairTree::new(tree);
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a part of a number of nodes"
+    )]
+    let count = (pairs.len() as f64 * SHARE).ceil() as usize;
+    let candidates = pairs.largest(count);
+    let mut marks = Marks::new(pairs.len());
     let mut made = false;
     for _ in 0..rounds {
         control.check()?;
-        if !round(&mut pairs) {
+        if !round(&mut pairs, &candidates, &mut marks) {
             break;
         }
         made = true;
@@ -62,27 +67,53 @@ pub(super) fn improve(
     Ok(())
 }
 
+/// What a round leaves to the next one, by place.
+struct Marks {
+    /// Nodes that a move needed: those that went elsewhere, and those that stand beside them.
+    changed: Vec<bool>,
+    /// Candidates whose move was not made, and before the first round all.
+    waits: Vec<bool>,
+}
+
+impl Marks {
+    fn new(places: usize) -> Self {
+        Self {
+            changed: vec![false; places],
+            waits: vec![true; places],
+        }
+    }
+
+    /// Whether a node may find a place that it did not find in the round before: its move was not made, or it, its sibling, or those of the two
+    /// nodes above it have changed.
+    fn may_gain(&self, pairs: &PairTree, place: usize) -> bool {
+        let has_changed = |place: usize| self.changed[place] || self.changed[place ^ 1];
+        let parent = pairs.parent(place);
+        self.waits[place]
+            || has_changed(place)
+            || has_changed(parent)
+            || has_changed(pairs.parent(parent))
+    }
+}
+
 /// Searches and moves once. Whether anything moved.
-fn round(pairs: &mut PairTree) -> bool {
-    #[expect(
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "a part of a number of nodes"
-    )]
-    let count = (pairs.len() as f64 * SHARE).ceil() as usize;
-    let candidates = pairs.largest(count);
-    let found = collect_each(&candidates, |subtree| {
-        search::best(pairs, *subtree as usize)
+fn round(pairs: &mut PairTree, candidates: &[u32], marks: &mut Marks) -> bool {
+    let found = collect_each(candidates, |subtree| {
+        let place = *subtree as usize;
+        let may_gain = marks.may_gain(pairs, place);
+        may_gain.then(|| search::best(pairs, place)).flatten()
     });
     let mut moves: Vec<Move> = found.into_iter().flatten().collect();
-    moves.sort_unstable_by(|a, b| {
+    sort(&mut moves, |a, b| {
         let by_gain = b.gain.total_cmp(&a.gain);
         by_gain.then_with(|| a.subtree.cmp(&b.subtree))
     });
-    let mut changed = vec![false; pairs.len()];
+    marks.changed.fill(false);
+    marks.waits.fill(false);
     let mut made = false;
     for wanted in &moves {
-        made |= pairs.make(wanted, &mut changed);
+        let is_made = pairs.make(wanted, &mut marks.changed);
+        marks.waits[wanted.subtree as usize] = !is_made;
+        made |= is_made;
     }
     made
 }

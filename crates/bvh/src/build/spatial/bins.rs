@@ -3,6 +3,7 @@
 use tahko_geometry::{
     TriangleMesh,
     glam::{Vec3, Vec4},
+    simd::{AvailableSimd, Simd, WithSimd},
 };
 
 use super::pieces;
@@ -47,13 +48,17 @@ pub(super) fn best(
     bounds: &Bounds,
     mesh: &TriangleMesh,
     slack: usize,
+    simd: AvailableSimd,
 ) -> Option<SpatialSplit> {
     if references.len() < FEW {
-        best_of::<8>(references, bounds, mesh, slack)
+        best_of::<8>(references, bounds, mesh, slack, simd)
     } else {
-        best_of::<16>(references, bounds, mesh, slack)
+        best_of::<16>(references, bounds, mesh, slack, simd)
     }
 }
+
+/// Added to a small number it rounds that to a whole one, and leaves it in the lower bits: conversion would have to care for numbers of any size.
+const ROUNDING: f32 = 12_582_912.0;
 
 /// Nodes of fewer references have 8 bins, others 16: that saves a twentieth of the build time, at no cost.
 const FEW: usize = 256;
@@ -63,11 +68,18 @@ fn best_of<const N: usize>(
     bounds: &Bounds,
     mesh: &TriangleMesh,
     slack: usize,
+    simd: AvailableSimd,
 ) -> Option<SpatialSplit> {
     let grid = Grid::<N>::new(bounds);
     let filled = reduce(
         references,
-        &|chunk: &[Reference]| Bins::<N>::filled(chunk, &grid, mesh),
+        &|references: &[Reference]| {
+            simd.dispatch(Fill::<N> {
+                references,
+                grid: &grid,
+                mesh,
+            })
+        },
         &Bins::merged,
     );
     let most = references.len() + slack;
@@ -117,7 +129,7 @@ impl<const N: usize> Grid<N> {
     }
 
     /// The plane before a bin.
-    #[inline]
+    #[inline(always)]
     pub(super) fn plane(&self, axis: usize, bin: usize) -> f32 {
         #[expect(clippy::cast_precision_loss, reason = "at most 16")]
         let bin = bin as f32;
@@ -125,18 +137,33 @@ impl<const N: usize> Grid<N> {
     }
 
     /// The bins of a point.
-    #[inline]
+    #[inline(always)]
     fn bins(&self, point: Vec4) -> [usize; 3] {
         #[expect(clippy::cast_precision_loss, reason = "at most 16")]
         let last = Vec4::splat((N - 1) as f32);
-        let position = ((point - self.origin) * self.factor).min(last);
-        let [x, y, z, _] = position.max(Vec4::ZERO).to_array();
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "from 0 to the last bin; truncation makes bins of equal width"
-        )]
-        [x, y, z].map(|position| position as i32 as usize)
+        let position = (point - self.origin) * self.factor - 0.5;
+        let [x, y, z, _] = (position.min(last).max(Vec4::ZERO) + ROUNDING).to_array();
+        [
+            x.to_bits() as usize % N,
+            y.to_bits() as usize % N,
+            z.to_bits() as usize % N,
+        ]
+    }
+}
+
+/// What fills bins, compiled for each level of instructions. Closures would not be.
+struct Fill<'a, const N: usize> {
+    references: &'a [Reference],
+    grid: &'a Grid<N>,
+    mesh: &'a TriangleMesh,
+}
+
+impl<const N: usize> WithSimd for Fill<'_, N> {
+    type Output = Bins<N>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> Bins<N> {
+        Bins::filled(self.references, self.grid, self.mesh)
     }
 }
 
@@ -155,40 +182,62 @@ struct AxisBins<const N: usize> {
 }
 
 impl<const N: usize> Bins<N> {
+    #[inline(always)]
     fn filled(references: &[Reference], grid: &Grid<N>, mesh: &TriangleMesh) -> Self {
         let empty = AxisBins {
             bounds: [Bounds::EMPTY; N],
             entries: [0; N],
             exits: [0; N],
         };
-        let mut axes = [empty; 3];
-        for reference in references {
-            let bounds = reference.bounds();
-            let first = grid.bins(bounds.lower());
-            let last = grid.bins(bounds.upper());
-            let mut corners = None;
-            for (axis, bins) in axes.iter_mut().enumerate() {
-                let (first, last) = (first[axis], last[axis]);
-                bins.entries[first] += 1;
-                bins.exits[last] += 1;
-                if first == last {
-                    bins.bounds[first].add(reference);
-                    continue;
-                }
-                let corners = corners.get_or_insert_with(|| {
-                    let triangle = mesh.triangle(reference.number() as usize);
-                    triangle.vertices().map(|corner| corner.extend(0.0))
-                });
-                // The axis as a constant: lanes are chosen by the instruction.
-                let (bins, span) = (&mut bins.bounds, first..last + 1);
-                match axis {
-                    0 => pieces::add::<0, N>(bins, corners, &bounds, grid, span),
-                    1 => pieces::add::<1, N>(bins, corners, &bounds, grid, span),
-                    _ => pieces::add::<2, N>(bins, corners, &bounds, grid, span),
-                }
+        let mut filled = Self { axes: [empty; 3] };
+        // Neighbours in the list often fall into the same bin, and what has just been written to it would have to be waited for.
+        let (first, second) = references.split_at(references.len() / 2);
+        let (second, last) = second.split_at(first.len());
+        for (first, second) in first.iter().zip(second) {
+            for reference in [first, second] {
+                filled.add(reference, grid, mesh);
             }
         }
-        Self { axes }
+        for reference in last {
+            filled.add(reference, grid, mesh);
+        }
+        filled
+    }
+
+    #[inline(always)]
+    fn add(&mut self, reference: &Reference, grid: &Grid<N>, mesh: &TriangleMesh) {
+        let bounds = reference.bounds();
+        let first = grid.bins(bounds.lower());
+        let last = grid.bins(bounds.upper());
+        for (axis, bins) in self.axes.iter_mut().enumerate() {
+            bins.entries[first[axis]] += 1;
+            bins.exits[last[axis]] += 1;
+        }
+        // One by one: as lists they would be stored, and loaded as vectors before that is done.
+        let differs = (first[0] ^ last[0]) | (first[1] ^ last[1]) | (first[2] ^ last[2]);
+        if differs == 0 {
+            // Most references of large nodes end here.
+            for (axis, bins) in self.axes.iter_mut().enumerate() {
+                bins.bounds[first[axis]].add(reference);
+            }
+            return;
+        }
+        let [a, b, c] = mesh.triangle(reference.number() as usize).vertices();
+        let corners = [a.extend(0.0), b.extend(0.0), c.extend(0.0)];
+        for (axis, bins) in self.axes.iter_mut().enumerate() {
+            let (first, last) = (first[axis], last[axis]);
+            if first == last {
+                bins.bounds[first].add(reference);
+                continue;
+            }
+            // The axis as a constant: lanes are chosen by the instruction.
+            let (bins, span) = (&mut bins.bounds, first..last + 1);
+            match axis {
+                0 => pieces::add::<0, N>(bins, &corners, &bounds, grid, span),
+                1 => pieces::add::<1, N>(bins, &corners, &bounds, grid, span),
+                _ => pieces::add::<2, N>(bins, &corners, &bounds, grid, span),
+            }
+        }
     }
 
     fn merged(mut self, Self { axes }: Self) -> Self {

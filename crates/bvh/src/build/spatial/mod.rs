@@ -65,7 +65,8 @@ impl Policy {
 /// The most references in a leaf: layouts and reinsertion want fine trees, and join what is too fine.
 const LEAF_SIZE: usize = 2;
 
-/// The nodes of a tree over the references to all triangles of a mesh, at least one, or to their pieces, and the triangles in the order of the leaves. The options are in range.
+/// The nodes of a tree over the references to all triangles of a mesh, at least one, or to their pieces, and the triangles in the order of the leaves, each with
+/// places between them that nothing links to. The options are in range.
 ///
 /// Cost: O(n log n) time; about 100 bytes per reference, times the budget.
 ///
@@ -103,8 +104,9 @@ fn build_by(
     let mut nodes = collect(2 * capacity - 1, |_| BuildNode::UNUSED);
     builder.build(&mut references, count, &mut nodes, extent, Place::ROOT);
     work.control.check()?;
-    let numbers = compact(&references, &mut nodes);
-    Ok((nodes, numbers))
+    // With the room between the leaves: to leave it out would take as long as it takes those who read the tree.
+    let number = |index: usize| TriangleNumber(references[index].number());
+    Ok((nodes, collect(references.len(), number)))
 }
 
 /// Where a subtree stands in the tree and in its lists.
@@ -210,7 +212,8 @@ impl SpatialBuilder<'_> {
             return Some(parts);
         }
         let room = buffer.len() - count;
-        let plane = bins::best(&buffer[..count], &extent.bounds, self.mesh, room);
+        let simd = self.base.simd;
+        let plane = bins::best(&buffer[..count], &extent.bounds, self.mesh, room, simd);
         let Some(plane) = plane.filter(|plane| plane.cost < cost) else {
             return Some(parts);
         };
@@ -271,26 +274,6 @@ fn without_repetition(references: &mut [Reference]) -> usize {
         }
     }
     kept
-}
-
-/// The triangles of the leaves, without the room between them.
-fn compact(references: &[Reference], nodes: &mut [BuildNode]) -> Vec<TriangleNumber> {
-    let mut numbers = Vec::with_capacity(references.len());
-    // Nodes stand in the order of their references; unused ones have none.
-    for node in nodes {
-        if let Link::Leaf { first, count } = node.link()
-            && count > 0
-        {
-            let link = Link::Leaf {
-                first: numbers.len(),
-                count,
-            };
-            *node = BuildNode::new(&node.bounds(), link);
-            let references = references[first..first + count].iter();
-            numbers.extend(references.map(|reference| TriangleNumber(reference.number())));
-        }
-    }
-    numbers
 }
 
 #[cfg(test)]

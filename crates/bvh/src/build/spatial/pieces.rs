@@ -11,7 +11,7 @@ use crate::build::reference::Bounds;
 ///
 /// The box of a piece is that of the points where the planes and the ends of the box on this axis cut the edges, and of the vertices between, as far as it is in
 /// the box. Masks stand for branches, which nobody could predict.
-#[inline]
+#[inline(always)]
 pub(super) fn add<const AXIS: usize, const N: usize>(
     bins: &mut [Bounds; N],
     corners: &[Vec4; 3],
@@ -59,28 +59,39 @@ struct Edges<'a, const AXIS: usize> {
 }
 
 impl<'a, const AXIS: usize> Edges<'a, AXIS> {
-    #[inline]
+    #[inline(always)]
     fn new(corners: &'a [Vec4; 3]) -> Self {
         let [a, b, c] = *corners;
+        let edges = [b - a, c - b, a - c];
+        // No closures: they would not be compiled for the instructions of the caller.
         Self {
             corners,
-            positions: [a, b, c].map(|corner| Vec4::splat(corner[AXIS])),
-            slopes: [b - a, c - b, a - c].map(|edge| edge / edge[AXIS]),
+            positions: [
+                Vec4::splat(a[AXIS]),
+                Vec4::splat(b[AXIS]),
+                Vec4::splat(c[AXIS]),
+            ],
+            slopes: [
+                edges[0] / edges[0][AXIS],
+                edges[1] / edges[1][AXIS],
+                edges[2] / edges[2][AXIS],
+            ],
         }
     }
 
     /// The smallest and the largest coordinate on the axis.
-    #[inline]
+    #[inline(always)]
     fn ends(&self) -> [f32; 2] {
         let [a, b, c] = self.positions;
         [a.min(b).min(c).x, a.max(b).max(c).x]
     }
 
     /// The box of the points where a plane cuts edges.
-    #[inline]
+    #[inline(always)]
     fn cut(&self, plane: f32) -> Bounds {
         let plane = Vec4::splat(plane);
-        let is_before = self.positions.map(|position| position.cmplt(plane));
+        let [a, b, c] = self.positions;
+        let is_before = [a.cmplt(plane), b.cmplt(plane), c.cmplt(plane)];
         let mut cut = Bounds::EMPTY;
         for edge in 0..3 {
             let crosses = is_before[edge] ^ is_before[(edge + 1) % 3];
@@ -91,7 +102,7 @@ impl<'a, const AXIS: usize> Edges<'a, AXIS> {
     }
 
     /// The box of the corners between two planes or in one of them.
-    #[inline]
+    #[inline(always)]
     fn vertices_between(&self, low: f32, high: f32) -> Bounds {
         let (low, high) = (Vec4::splat(low), Vec4::splat(high));
         let mut vertices = Bounds::EMPTY;
