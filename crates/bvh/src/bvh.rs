@@ -198,7 +198,7 @@ mod tests {
         });
         let expected = [
             0xdfb6_c27a_472c_67cb,
-            0x6350_2a7a_1648_ad85,
+            0xdd0a_28e7_462d_eb3e,
             0x6d0c_0d93_a801_ab92,
             0x475e_162e_60cc_c283,
         ];
