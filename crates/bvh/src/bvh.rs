@@ -198,7 +198,7 @@ mod tests {
         });
         let expected = [
             0xdfb6_c27a_472c_67cb,
-            0x6350_2a7a_1648_ad85,
+            0xdd0a_28e7_462d_eb3e,
             0xfca8_0f05_ef2f_1e06,
             0x475e_162e_60cc_c283,
         ];

@@ -5,8 +5,12 @@ use tahko_bvh::{BuildError, BuildMethod, Bvh, BvhOptions};
 use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
 use tahko_geometry::{ExpectedVisits, Precision, TreeStatistics, TriangleMesh, glam::Vec3};
 
-/// Small triangles at places that a linear congruential generator picks: the same on every machine.
 fn scattered(count: usize) -> TriangleMesh {
+    soup(scattered_triangles(count))
+}
+
+/// Small triangles at places that a linear congruential generator picks: the same on every machine.
+fn scattered_triangles(count: usize) -> Vec<[Vec3; 3]> {
     let mut state = 1u32;
     let mut random = move || {
         state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -17,7 +21,7 @@ fn scattered(count: usize) -> TriangleMesh {
         let corner = point();
         [corner, corner + 0.02 * point(), corner + 0.02 * point()]
     });
-    soup(triangles.collect())
+    triangles.collect()
 }
 
 fn build(mesh: &TriangleMesh, options: &BvhOptions) -> Bvh {
@@ -35,8 +39,13 @@ fn nested(count: u8, ratio: f32) -> TriangleMesh {
 
 #[test]
 fn the_tree_is_the_same_for_every_number_of_threads() {
-    // Enough triangles for subtrees, bins and the sorting of keys to be shared among tasks.
-    let mesh = scattered(80_000);
+    // Enough triangles for subtrees, bins and the sorting of keys to be shared among tasks, and some to be set apart as larger than the others.
+    let mut triangles = scattered_triangles(80_000);
+    triangles.extend([
+        [Vec3::X, Vec3::Y, Vec3::Z],
+        [Vec3::ZERO, Vec3::ONE, Vec3::X],
+    ]);
+    let mesh = soup(triangles);
     for options in [
         BvhOptions::fast(),
         BvhOptions::balanced(),

@@ -7,6 +7,7 @@ use tahko_geometry::glam::{Vec3, Vec4};
 use tahko_geometry::simd::{AvailableSimd, Simd, WithSimd};
 
 use super::bins::{BinSplit, Bins};
+use super::outsized;
 use super::reference::{CentroidScale, Extent, Reference};
 use super::split::{Candidate, Cut};
 use crate::parallel::reduce;
@@ -55,7 +56,7 @@ impl BinMap {
     }
 }
 
-/// The best split between bins; `None` if each axis has all references in one bin. The same at every level of instructions.
+/// The best split between bins, or by size where that is cheaper; `None` if each axis has all references in one bin. The same at every level of instructions.
 pub(super) fn best(
     references: &[Reference],
     extent: &Extent,
@@ -82,37 +83,55 @@ fn best_of<const N: usize>(
 ) -> Option<Candidate> {
     #[expect(clippy::cast_possible_truncation, reason = "at most 64")]
     let map = BinMap::new(extent, scale, bins as u16);
-    let (cost, axis, bin, bounds) = if references.len() < PARALLEL_SIZE {
-        simd.dispatch(FillAndSplit::<N> {
+    if references.len() < outsized::LEAST {
+        let split = simd.dispatch(FillAndSplit::<N> {
             references,
             map,
             bins,
-        })?
-    } else {
-        let filled = reduce(
-            references,
-            &|references: &[Reference]| simd.dispatch(Fill::<N> { references, map }),
-            &Bins::merged,
-        );
-        simd.dispatch(Cheapest {
-            filled: &filled,
-            bins,
-            scale,
-        })?
-    };
-    Some(Candidate {
-        cost: f64::from(cost) * scale.area_unit(),
-        cut: Cut::Bin {
-            map,
-            axis,
-            bin,
-            bounds,
-        },
-    })
+        })?;
+        return Some(split.candidate(map));
+    }
+    let filled = reduce(
+        references,
+        &|references: &[Reference]| simd.dispatch(Fill::<N> { references, map }),
+        &Bins::merged,
+    );
+    let limit = outsized::limit(extent, scale);
+    let (split, least_by_size) = simd.dispatch(Search {
+        filled: &filled,
+        bins,
+        scale,
+        limit,
+    })?;
+    let is_cheaper = |other: &Candidate| other.cost < split.cost(scale);
+    let by_size = (least_by_size < split.cost)
+        .then(|| outsized::candidate(references, limit, scale))
+        .flatten();
+    Some(
+        by_size
+            .filter(is_cheaper)
+            .unwrap_or_else(|| split.candidate(map)),
+    )
 }
 
-/// Nodes with fewer references are binned by one task, in place.
-const PARALLEL_SIZE: usize = 1 << 15;
+impl BinSplit {
+    /// Its cost in units of the mesh.
+    fn cost(&self, scale: CentroidScale) -> f64 {
+        f64::from(self.cost) * scale.area_unit()
+    }
+
+    fn candidate(self, map: BinMap) -> Candidate {
+        Candidate {
+            cost: self.cost(map.scale),
+            cut: Cut::Bin {
+                map,
+                axis: self.axis,
+                bin: self.bin,
+                bounds: self.bounds,
+            },
+        }
+    }
+}
 
 /// Fills bins with references.
 struct Fill<'a, const N: usize> {
@@ -131,23 +150,32 @@ impl<const N: usize> WithSimd for Fill<'_, N> {
     }
 }
 
-/// Finds the cheapest split between bins that are filled.
-struct Cheapest<'a, const N: usize> {
+/// Finds the cheapest split between bins that are filled, and at least what one by size costs.
+struct Search<'a, const N: usize> {
     filled: &'a Bins<N>,
     bins: usize,
     scale: CentroidScale,
+    limit: f32,
 }
 
-impl<const N: usize> WithSimd for Cheapest<'_, N> {
-    type Output = Option<BinSplit>;
+impl<const N: usize> WithSimd for Search<'_, N> {
+    type Output = Option<(BinSplit, f32)>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Option<BinSplit> {
-        self.filled.cheapest(simd, self.bins, self.scale)
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self {
+            filled,
+            bins,
+            scale,
+            limit,
+        } = self;
+        let split = filled.cheapest(simd, bins, scale)?;
+        let least_by_size = filled.least_cost_by_size(simd, bins, scale, limit);
+        Some((split, least_by_size))
     }
 }
 
-/// Both, for nodes of few references: the bins are not moved.
+/// Fills bins and finds the cheapest split, for nodes of few references: the bins are not moved.
 struct FillAndSplit<'a, const N: usize> {
     references: &'a [Reference],
     map: BinMap,

@@ -10,9 +10,16 @@ use super::binned::BinMap;
 use super::paired::PairedBounds;
 use super::reference::{Bounds, CentroidScale, Reference};
 
-/// The cheapest split: its cost, that is the sum over both sides of their half area in scaled units times their number, its axis, the bin before
-/// which it splits, and the boxes around the bins before it and around the others.
-pub(super) type BinSplit = (f32, usize, usize, [Bounds; 2]);
+/// The cheapest split.
+pub(super) struct BinSplit {
+    /// The sum over both sides of their half area in scaled units times their number.
+    pub(super) cost: f32,
+    pub(super) axis: usize,
+    /// The bin before which it splits.
+    pub(super) bin: usize,
+    /// The boxes around the bins before it and around the others.
+    pub(super) bounds: [Bounds; 2],
+}
 
 /// What is in the bins of each axis.
 pub(super) struct Bins<const N: usize> {
@@ -109,10 +116,47 @@ impl<const N: usize> Bins<N> {
         )]
         let bin = best_bins[axis] as usize;
         if best[axis] < f32::INFINITY {
-            Some((best[axis], axis, bin, self.sides(simd, bins, axis, bin)))
+            Some(BinSplit {
+                cost: best[axis],
+                axis,
+                bin,
+                bounds: self.sides(simd, bins, axis, bin),
+            })
         } else {
             None
         }
+    }
+
+    /// At least what a split of the references above a limit of area, in scaled units, from all others costs; infinite if there are none.
+    ///
+    /// A reference above it makes the box of its bin as large on each axis. Bins whose boxes are smaller have only others, and so all others have a box of at least
+    /// the size of that around these bins.
+    #[inline(always)]
+    pub(super) fn least_cost_by_size<S: Simd>(
+        &self,
+        simd: S,
+        bins: usize,
+        scale: CentroidScale,
+        limit: f32,
+    ) -> f32 {
+        let limit = Vec4::splat(limit);
+        let (mut all, mut small) = (Sides::empty(simd), Sides::empty(simd));
+        let mut exceeding = 0;
+        for bin in 0..bins {
+            let mut one = Sides::empty(simd);
+            one.add(simd, self, bin);
+            let exceeds = one.areas(simd, scale).cmpgt(limit) & one.is_used();
+            exceeding |= exceeds.bitmask();
+            all.add(simd, self, bin);
+            small.add_unless(simd, self, bin, exceeds.bitmask());
+        }
+        if exceeding & 0b111 != 0b111 {
+            return f32::INFINITY;
+        }
+        let small_area = Vec4::select(small.is_used(), small.areas(simd, scale), Vec4::ZERO);
+        let others = all.counts() - small.counts();
+        let least = small.counts() * small_area + others * small_area.min(limit);
+        least.x.max(least.y).max(least.z)
     }
 
     /// The boxes around the bins before a bin and around the others.
@@ -149,8 +193,37 @@ impl<S: Simd> Sides<S> {
         }
     }
 
+    /// Adds a bin on those axes that a mask does not have.
+    #[inline(always)]
+    fn add_unless<const N: usize>(&mut self, simd: S, bins: &Bins<N>, bin: usize, mask: u32) {
+        for axis in 0..3 {
+            if mask >> axis & 1 == 0 {
+                let lanes = bins.bounds[axis][bin].lanes(simd);
+                self.bounds[axis] = simd.min(self.bounds[axis], lanes);
+                self.counts[axis] += bins.counts[bin][axis];
+            }
+        }
+    }
+
     #[inline(always)]
     fn costs(&self, simd: S, scale: CentroidScale) -> Vec4 {
+        self.areas(simd, scale) * self.counts()
+    }
+
+    #[inline(always)]
+    fn counts(&self) -> Vec4 {
+        Vec4::from_array(self.counts.map(|count| count as f32))
+    }
+
+    /// On which axes there are any; the others have an infinite area.
+    #[inline(always)]
+    fn is_used(&self) -> BVec4A {
+        self.counts().cmpgt(Vec4::ZERO)
+    }
+
+    /// Half of the surface areas of the boxes, in scaled units.
+    #[inline(always)]
+    fn areas(&self, simd: S, scale: CentroidScale) -> Vec4 {
         // The extents are negative, and products of two of them positive.
         let [x, y, z] = self.bounds;
         let [x, y, z] = [
@@ -160,7 +233,6 @@ impl<S: Simd> Sides<S> {
         ];
         let extents = Mat4::from_cols(x, y, z, Vec4::ZERO).transpose();
         let [x, y, z] = [extents.x_axis, extents.y_axis, extents.z_axis];
-        let areas = x * y + y * z + z * x;
-        areas * Vec4::from_array(self.counts.map(|count| count as f32))
+        x * y + y * z + z * x
     }
 }

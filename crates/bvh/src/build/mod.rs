@@ -11,6 +11,7 @@ mod join;
 mod memory;
 mod morton;
 mod node;
+mod outsized;
 mod paired;
 mod radix;
 mod reference;

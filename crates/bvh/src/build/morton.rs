@@ -11,6 +11,7 @@ use crate::parallel::{collect, reduce_range};
 
 /// The most bits per axis of a place on the curve.
 const MAX_AXIS_BITS: u32 = 14;
+const _: () = assert!(MAX_AXIS_BITS <= 16, "as many as are spread");
 
 /// The numbers of a mesh's triangles in the order of their centroids along the curve, equal ones in their order in
 /// the mesh; and the scale of the centroids.
@@ -83,16 +84,15 @@ impl Grid {
     }
 }
 
-/// Puts two zeros between any two of the lower 21 bits.
+/// Puts two zeros between any two of the lower 16 bits.
 #[inline]
 fn spread(bits: u32) -> u64 {
-    let mut spread = u64::from(bits) & 0x001f_ffff;
+    let mut spread = u64::from(bits) & 0xffff;
     for (shift, mask) in [
-        (32, 0x001f_0000_0000_ffff),
-        (16, 0x001f_0000_ff00_00ff),
-        (8, 0x100f_00f0_0f00_f00f),
-        (4, 0x10c3_0c30_c30c_30c3),
-        (2, 0x1249_2492_4924_9249),
+        (16, 0x0000_0000_ff00_00ff),
+        (8, 0x0000_00f0_0f00_f00f),
+        (4, 0x0000_0c30_c30c_30c3),
+        (2, 0x0000_2492_4924_9249),
     ] {
         spread = (spread | spread << shift) & mask;
     }

@@ -5,6 +5,7 @@ use std::cmp::Ordering;
 use tahko_geometry::simd::{AvailableSimd, Simd, WithSimd};
 
 use super::binned::BinMap;
+use super::outsized;
 use super::paired::PairedBounds;
 use super::reference::{Bounds, CentroidScale, Extent, Reference};
 
@@ -26,6 +27,12 @@ pub(super) enum Cut {
     },
     /// The references before an index go to the first side.
     At(usize),
+    /// Those of more than some area, in scaled units, go to the first side.
+    Size {
+        limit: f32,
+        /// Of either side.
+        extents: [Extent; 2],
+    },
 }
 
 /// A list of references cut in two, both parts with at least one reference.
@@ -74,6 +81,14 @@ impl Cut {
                     second: Extent::new(second, scale),
                 }
             }
+            Self::Size {
+                limit,
+                extents: [first, second],
+            } => Parts {
+                middle: outsized::apply(references, limit, scale),
+                first,
+                second,
+            },
         }
     }
 }
