@@ -6,8 +6,8 @@
 //! `3 e / (sum - 3 e)` of the triangle's range in `t`, less than `4 e / sum` of it, of the exact mean, and the roundings of `t` and of the
 //! mean are below `13 u` of the largest `t`. In small triangles the products of weights and `t` underflow, by up to `2^-149` each: [`TINY_SUM`] more of their sum.
 //!
-//! **Rays that start on a surface** are so close to it that its triangle looks like a hit at a `t` around zero. Where a part of a triangle that may be hit is not ahead of the origin, it is seen first
-//! whether its [plane is behind](super::behind).
+//! **Rays that start on a surface** are so close to it that its triangle looks like a hit at a `t` around zero. Where such a triangle may be hit, it is seen first whether its
+//! [plane is behind](super::behind).
 
 use std::hint::black_box;
 
@@ -213,12 +213,11 @@ fn verdict<S: Simd>(simd: S, sight: &impl Sight<S>, limits: &Limits<S>) -> Optio
     if possible == 0 {
         return None;
     }
-    let is_near = simd.le(seen.first_t, simd.splat(0.0));
-    if !limits.is_ahead || possible & simd.bits(is_near) == 0 {
+    let beyond = simd.bits(is_beyond_origin(simd, &seen));
+    if !limits.is_ahead || possible & !beyond == 0 {
         return decided(simd, &seen, limits, possible);
     }
-    // Not all is ahead of the origin: the triangle that the ray starts on, which is behind it, and mostly nothing else. So what the rest wants is not kept, and not stored
-    // for each block, but found anew.
+    // The triangle that the ray starts on, which is behind it, and mostly nothing else. So what the rest wants is not kept, and not stored for each block, but found anew.
     let sight = sight.anew();
     let possible = possible & !behind(simd, &seen, &sight);
     if possible == 0 {
@@ -243,6 +242,15 @@ fn possible<S: Simd>(simd: S, seen: &Seen<S>, limits: &Limits<S>) -> u32 {
     simd.bits(simd.and(is_inside, simd.and(begins, ends)))
 }
 
+/// Where the plane is met ahead of the origin, by more than `t` may be off: nothing depends on it but whether it is worth a closer look.
+#[inline(always)]
+fn is_beyond_origin<S: Simd>(simd: S, seen: &Seen<S>) -> S::Mask {
+    let determinant = seen.determinant(simd);
+    let error = simd.mul(simd.mul(seen.error, simd.splat(4.0)), seen.farthest_t);
+    let error = simd.mul(error, simd.abs(determinant));
+    simd.lt(error, simd.mul(seen.weighted_t(simd), determinant))
+}
+
 /// What is said of lanes that may be hit; `None` if they are not.
 #[inline(always)]
 fn decided<S: Simd>(
@@ -255,13 +263,9 @@ fn decided<S: Simd>(
     let below = simd.sub(simd.splat(0.0), error);
     let has_sign = simd.or(simd.lt(error, seen.smallest), simd.lt(seen.largest, below));
     let is_certain = simd.and(has_sign, seen.is_sharp(simd));
-    let ([a, b, c], [of_a, of_b, of_c]) = (&seen.vertices, seen.weights);
-    let sum = simd.mul(of_a, a.t);
-    let sum = simd.mul_add(of_b, b.t, sum);
-    let sum = simd.mul_add(of_c, c.t, sum);
     // One division, whose sign the second use does not want.
     let reciprocal = simd.div(simd.splat(1.0), seen.determinant(simd));
-    let t = simd.mul(sum, reciprocal);
+    let t = simd.mul(seen.weighted_t(simd), reciprocal);
     let spread = simd.mul_add(
         simd.mul(error, simd.splat(4.0)),
         simd.sub(seen.last_t, seen.first_t),

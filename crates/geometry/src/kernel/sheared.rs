@@ -169,6 +169,15 @@ impl<S: Simd> Seen<S> {
         simd.add(simd.add(of_a, of_b), of_c)
     }
 
+    /// The sum of the vertices' `t`, weighted: by the determinant it is the `t` of the plane.
+    #[inline(always)]
+    pub(super) fn weighted_t(&self, simd: S) -> S::F32s {
+        let ([a, b, c], [of_a, of_b, of_c]) = (&self.vertices, self.weights);
+        let sum = simd.mul(of_a, a.t);
+        let sum = simd.mul_add(of_b, b.t, sum);
+        simd.mul_add(of_c, c.t, sum)
+    }
+
     /// Where the determinant is 16 times the bound of the error of a weight: more than five times that of its own.
     #[inline(always)]
     pub(super) fn is_sharp(&self, simd: S) -> S::Mask {
