@@ -123,14 +123,6 @@ impl TriangleBlock {
         self.vertices[vertex][axis as usize].0[lane]
     }
 
-    /// The coordinates of a lane's triangle, by vertex.
-    #[inline(always)]
-    pub(crate) fn coordinates(&self, lane: usize) -> [[f32; 3]; 3] {
-        self.vertices
-            .each_ref()
-            .map(|axes| axes.each_ref().map(|lanes| lanes.0[lane]))
-    }
-
     /// The triangles with their numbers.
     pub fn triangles(&self) -> impl Iterator<Item = (u32, Triangle)> + '_ {
         (0..LANES).filter_map(|lane| Some((self.number(lane)?, self.triangle(lane))))

@@ -17,19 +17,6 @@ pub trait BlockFilter: Copy {
 
     /// What can be said of a block's triangles: `None` if the kernel accepts none of them with `t`, rounded, up to `t_max`.
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
-
-    /// A closer look at lanes that are possible, and not certain: a bit for each of them that the kernel may accept after all. The others it
-    /// rejects, and would have by its f64 rung. The ray is the one that the filter was made for.
-    #[inline(always)]
-    fn possible_in_f64<S: Simd>(
-        &self,
-        _simd: S,
-        _ray: &Ray,
-        _block: &TriangleBlock,
-        lanes: u32,
-    ) -> u32 {
-        lanes
-    }
 }
 
 /// What is known of the triangles of a block that may be hit by a ray; or of the rays that may hit a triangle, a lane for each ray.

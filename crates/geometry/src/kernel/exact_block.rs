@@ -6,15 +6,16 @@
 //! `3 e / (sum - 3 e)` of the triangle's range in `t`, less than `4 e / sum` of it, of the exact mean, and the roundings of `t` and of the
 //! mean are below `13 u` of the largest `t`. In small triangles the products of weights and `t` underflow, by up to `2^-149` each: [`TINY_SUM`] more of their sum.
 //!
-//! **Rays that start on a surface** are too close to it for f32: their start is a rounding off the triangle, which looks like a hit at a `t` around zero. So
-//! what is left to doubt is looked at in f64 at once, before a kernel is made: whether the plane is behind the ray.
+//! **Rays that start on a surface** are so close to it that its triangle looks like a hit at a `t` around zero. Where such a triangle may be hit, it is seen first whether its
+//! [plane is behind](super::behind).
 
+use std::hint::black_box;
+
+use super::behind::behind;
 use super::block::{BlockFilter, BlockVerdict};
-use super::lanes::certainly_behind;
 use super::rays::{RaysAlongAxis, RaysFilter};
-use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Shear, T_ERROR, TINY_T, first_t};
-use super::terms::is_certainly_behind;
-use crate::simd::{LANES, Simd};
+use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Shear, Sight, T_ERROR, TINY_T, first_t};
+use crate::simd::Simd;
 use crate::{Axis, FusedRay, Ray, RayLanes, TriangleBlock};
 
 /// More than underflow can take from a sum of weighted `t`, which is `2^-144`, and not a denormal number, with which some processors are slow.
@@ -28,7 +29,7 @@ pub struct ExactBlockFilter {
     // Arrays: an index into a vector would be a branch, and often mispredicted.
     origin: [f32; 3],
     direction: [f32; 3],
-    reciprocal: f32,
+    minus_reciprocal: f32,
     /// The size of the largest direction component, and some roundings.
     along: f32,
     t_min: f32,
@@ -52,7 +53,7 @@ impl BlockFilter for ExactBlockFilter {
             origin: *ray.origin.as_ref(),
             direction: *direction,
             // The largest component is not clamped.
-            reciprocal: reciprocal[z as usize],
+            minus_reciprocal: -reciprocal[z as usize],
             along: along * (1.0 + T_ERROR),
             t_min: ray.t_min,
             first_t: first_t(ray.t_min),
@@ -66,41 +67,8 @@ impl BlockFilter for ExactBlockFilter {
         if !self.decides {
             return BlockVerdict::undecided(block.used());
         }
-        verdict(simd, self.see(simd, block), &self.limits(simd, t_max))
+        verdict(simd, &self.before(simd, block), &self.limits(simd, t_max))
     }
-
-    #[inline(always)]
-    fn possible_in_f64<S: Simd>(
-        &self,
-        simd: S,
-        ray: &Ray,
-        block: &TriangleBlock,
-        lanes: u32,
-    ) -> u32 {
-        if self.t_min < 0.0 {
-            return lanes;
-        }
-        // Of the ray, not of the filter, which may have been written a moment ago in other widths than it would be read in.
-        let (origin, direction) = (ray.origin.to_array(), ray.direction.to_array());
-        if lanes.is_power_of_two() {
-            let triangle = block.coordinates(lanes.trailing_zeros() as usize % LANES);
-            return unless_behind(lanes, is_certainly_behind(origin, direction, triangle));
-        }
-        let splat = |[x, y, z]: [f32; 3]| [simd.splat(x), simd.splat(y), simd.splat(z)];
-        let vertex = |vertex: usize| {
-            let load = |axis: Axis| block.load(simd, vertex, axis);
-            [load(Axis::X), load(Axis::Y), load(Axis::Z)]
-        };
-        let (origin, direction) = (splat(origin), splat(direction));
-        let vectors = [origin, direction, vertex(0), vertex(1), vertex(2)];
-        lanes & !certainly_behind(simd, vectors, lanes)
-    }
-}
-
-/// The lane of a triangle, unless it is behind.
-#[inline(always)]
-const fn unless_behind(lane: u32, is_behind: bool) -> u32 {
-    if is_behind { 0 } else { lane }
 }
 
 impl ExactBlockFilter {
@@ -117,7 +85,7 @@ impl ExactBlockFilter {
             z: prepared.axis,
             origin: rays.origin(lane),
             direction: rays.direction(lane),
-            reciprocal: prepared.reciprocal.0[lane],
+            minus_reciprocal: prepared.minus_reciprocal.0[lane],
             along: prepared.along.0[lane],
             t_min: rays.t_min.0[lane],
             first_t: prepared.first_t.0[lane],
@@ -130,6 +98,7 @@ impl ExactBlockFilter {
     #[inline(always)]
     pub(super) fn limits<S: Simd>(&self, simd: S, t_max: f32) -> Limits<S> {
         Limits {
+            is_ahead: self.t_min >= 0.0,
             t_min: simd.splat(self.t_min),
             first_t: simd.splat(self.first_t),
             t_max: simd.splat(t_max),
@@ -140,25 +109,67 @@ impl ExactBlockFilter {
     /// The size of what one divides by to get from a depth to a `t`, reciprocal.
     #[inline(always)]
     pub(super) const fn reciprocal(&self) -> f32 {
-        self.reciprocal.abs()
+        self.minus_reciprocal.abs()
     }
 
-    /// The triangles of a block as the ray sees them.
+    /// The triangles of a block before the ray.
     #[inline(always)]
-    pub(super) fn see<S: Simd>(&self, simd: S, block: &TriangleBlock) -> Seen<S> {
-        let axes = self.z.around();
+    pub(super) const fn before<'a, S: Simd>(
+        &'a self,
+        simd: S,
+        block: &'a TriangleBlock,
+    ) -> BeforeRay<'a, S> {
+        BeforeRay {
+            simd,
+            axes: self.z.around(),
+            ray: self,
+            block,
+        }
+    }
+}
+
+/// The triangles of a block before a ray.
+#[derive(Clone, Copy)]
+pub(super) struct BeforeRay<'a, S> {
+    simd: S,
+    axes: [Axis; 3],
+    ray: &'a ExactBlockFilter,
+    block: &'a TriangleBlock,
+}
+
+impl<S: Simd> Sight<S> for BeforeRay<'_, S> {
+    #[inline(always)]
+    fn axes(&self) -> [Axis; 3] {
+        self.axes
+    }
+
+    #[inline(always)]
+    fn shear(&self) -> Shear<S> {
+        let Self {
+            simd, axes, ray, ..
+        } = *self;
         let [x, y, _] = axes;
-        let shear = Shear {
-            x: simd.splat(self.direction[x as usize]),
-            y: simd.splat(self.direction[y as usize]),
-            reciprocal: simd.splat(self.reciprocal),
-            along: simd.splat(self.along),
-        };
-        let distance = |vertex: usize, axis: Axis| {
-            let origin = simd.splat(self.origin[axis as usize]);
-            simd.sub(block.load(simd, vertex, axis), origin)
-        };
-        Seen::new(simd, &shear, axes, distance)
+        Shear {
+            x: simd.splat(ray.direction[x as usize]),
+            y: simd.splat(ray.direction[y as usize]),
+            minus_reciprocal: simd.splat(ray.minus_reciprocal),
+            along: simd.splat(ray.along),
+        }
+    }
+
+    #[inline(always)]
+    fn to_origin(&self, vertex: usize, axis: Axis) -> S::F32s {
+        let origin = self.simd.splat(self.ray.origin[axis as usize]);
+        self.simd
+            .sub(origin, self.block.load(self.simd, vertex, axis))
+    }
+
+    #[inline(always)]
+    fn anew(self) -> Self {
+        Self {
+            block: black_box(self.block),
+            ..self
+        }
     }
 }
 
@@ -184,29 +195,8 @@ impl RaysFilter for ExactRaysFilter {
         block: &TriangleBlock,
         triangle: usize,
     ) -> Option<BlockVerdict> {
-        let seen = self.0.see(simd, rays, block, triangle);
-        verdict(simd, seen, &self.0.limits(simd, rays))
-    }
-
-    #[inline(always)]
-    fn possible_in_f64<S: Simd>(
-        &self,
-        simd: S,
-        rays: &RayLanes,
-        block: &TriangleBlock,
-        triangle: usize,
-        lanes: u32,
-    ) -> u32 {
-        let [a, b, c] = block.coordinates(triangle);
-        if lanes.is_power_of_two() {
-            let lane = lanes.trailing_zeros() as usize % LANES;
-            let is_behind = is_certainly_behind(rays.origin(lane), rays.direction(lane), [a, b, c]);
-            return unless_behind(lanes, is_behind);
-        }
-        let splat = |[x, y, z]: [f32; 3]| [simd.splat(x), simd.splat(y), simd.splat(z)];
-        let (origins, directions) = (rays.origins(simd), rays.directions(simd));
-        let vectors = [origins, directions, splat(a), splat(b), splat(c)];
-        lanes & !certainly_behind(simd, vectors, lanes)
+        let sight = self.0.before(simd, rays, block, triangle);
+        verdict(simd, &sight, &self.0.limits(simd, rays))
     }
 
     #[inline(always)]
@@ -215,54 +205,77 @@ impl RaysFilter for ExactRaysFilter {
     }
 }
 
-/// What the exact kernels make of triangles as they are seen.
+/// What the exact kernels make of triangles.
 #[inline(always)]
-fn verdict<S: Simd>(simd: S, seen: Seen<S>, limits: &Limits<S>) -> Option<BlockVerdict> {
-    let Seen {
-        vertices: [a, b, c],
-        weights: [of_a, of_b, of_c],
-        smallest,
-        largest,
-        first_t,
-        last_t,
-        farthest_t,
-        size: _,
-        error,
-    } = seen;
-    let below = simd.sub(simd.splat(0.0), error);
-
-    // Positive comparisons: unused lanes have NaN.
-    let is_inside = simd.or(simd.le(largest, error), simd.le(below, smallest));
-    let t_max = limits.t_max;
-    let margin = simd.mul_add(simd.abs(t_max), simd.splat(T_ERROR), simd.splat(TINY_T));
-    let begins = simd.le(first_t, simd.add(t_max, margin));
-    let ends = simd.le(limits.first_t, last_t);
-    let possible = simd.bits(simd.and(is_inside, simd.and(begins, ends)));
+fn verdict<S: Simd>(simd: S, sight: &impl Sight<S>, limits: &Limits<S>) -> Option<BlockVerdict> {
+    let seen = Seen::new(simd, sight);
+    let possible = possible(simd, &seen, limits);
     if possible == 0 {
         return None;
     }
+    let beyond = simd.bits(is_beyond_origin(simd, &seen));
+    if !limits.is_ahead || possible & !beyond == 0 {
+        return decided(simd, &seen, limits, possible);
+    }
+    // The triangle that the ray starts on, which is behind it, and mostly nothing else. So what the rest wants is not kept, and not stored for each block, but found anew.
+    let sight = sight.anew();
+    let possible = possible & !behind(simd, &seen, &sight);
+    if possible == 0 {
+        return None;
+    }
+    decided(simd, &Seen::new(simd, &sight), limits, possible)
+}
 
-    let determinant = simd.add(simd.add(of_a, of_b), of_c);
-    let has_sign = simd.or(simd.lt(error, smallest), simd.lt(largest, below));
-    let magnitude = simd.abs(determinant);
-    let is_sharp = simd.lt(simd.mul(error, simd.splat(16.0)), magnitude);
-    let sum = simd.mul(of_a, a.t);
-    let sum = simd.mul_add(of_b, b.t, sum);
-    let sum = simd.mul_add(of_c, c.t, sum);
+/// The lanes that may be hit in the interval.
+#[inline(always)]
+fn possible<S: Simd>(simd: S, seen: &Seen<S>, limits: &Limits<S>) -> u32 {
+    let below = simd.sub(simd.splat(0.0), seen.error);
+    // Positive comparisons: unused lanes have NaN.
+    let is_inside = simd.or(
+        simd.le(seen.largest, seen.error),
+        simd.le(below, seen.smallest),
+    );
+    let t_max = limits.t_max;
+    let margin = simd.mul_add(simd.abs(t_max), simd.splat(T_ERROR), simd.splat(TINY_T));
+    let begins = simd.le(seen.first_t, simd.add(t_max, margin));
+    let ends = simd.le(limits.first_t, seen.last_t);
+    simd.bits(simd.and(is_inside, simd.and(begins, ends)))
+}
+
+/// Where the plane is met ahead of the origin, by more than `t` may be off: nothing depends on it but whether it is worth a closer look.
+#[inline(always)]
+fn is_beyond_origin<S: Simd>(simd: S, seen: &Seen<S>) -> S::Mask {
+    let determinant = seen.determinant(simd);
+    let error = simd.mul(simd.mul(seen.error, simd.splat(4.0)), seen.farthest_t);
+    let error = simd.mul(error, simd.abs(determinant));
+    simd.lt(error, simd.mul(seen.weighted_t(simd), determinant))
+}
+
+/// What is said of lanes that may be hit; `None` if they are not.
+#[inline(always)]
+fn decided<S: Simd>(
+    simd: S,
+    seen: &Seen<S>,
+    limits: &Limits<S>,
+    possible: u32,
+) -> Option<BlockVerdict> {
+    let error = seen.error;
+    let below = simd.sub(simd.splat(0.0), error);
+    let has_sign = simd.or(simd.lt(error, seen.smallest), simd.lt(seen.largest, below));
+    let is_certain = simd.and(has_sign, seen.is_sharp(simd));
     // One division, whose sign the second use does not want.
-    let reciprocal = simd.div(simd.splat(1.0), determinant);
-    let t = simd.mul(sum, reciprocal);
+    let reciprocal = simd.div(simd.splat(1.0), seen.determinant(simd));
+    let t = simd.mul(seen.weighted_t(simd), reciprocal);
     let spread = simd.mul_add(
         simd.mul(error, simd.splat(4.0)),
-        simd.sub(last_t, first_t),
+        simd.sub(seen.last_t, seen.first_t),
         simd.splat(TINY_SUM),
     );
     let spread = simd.mul(spread, simd.abs(reciprocal));
-    let rounding = simd.mul_add(farthest_t, simd.splat(T_ERROR), simd.splat(TINY_T));
+    let rounding = simd.mul_add(seen.farthest_t, simd.splat(T_ERROR), simd.splat(TINY_T));
     let margin = simd.add(rounding, spread);
     let (start, end) = (simd.sub(t, margin), simd.add(t, margin));
-    let is_certain = simd.and(has_sign, is_sharp);
-    let is_outside = simd.or(simd.lt(end, limits.t_min), simd.lt(t_max, start));
+    let is_outside = simd.or(simd.lt(end, limits.t_min), simd.lt(limits.t_max, start));
     let is_in_interval = simd.and(simd.lt(limits.t_min, start), simd.lt(end, limits.end));
     let possible = possible & !simd.bits(simd.and(is_certain, is_outside));
     (possible != 0).then_some(BlockVerdict {

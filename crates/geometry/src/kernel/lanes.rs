@@ -1,6 +1,6 @@
-//! The f64 rung of the exact kernels for eight rays at a time: what a packet ends with, and the rays that start on a triangle.
+//! The f64 rung of the exact kernels for eight rays at a time: what a packet ends with.
 
-use super::terms::{RayAndTriangle, behind_terms, certain_terms};
+use super::terms::{RayAndTriangle, certain_terms};
 use crate::simd::{Lanes, Simd, widen_all};
 use crate::{RayLanes, TriangleHit};
 
@@ -62,31 +62,6 @@ pub(super) fn certain_hits<S: Simd>(simd: S, rays: &RayLanes, [a, b, c]: &Vertex
         u: simd.store(simd.min(one, simd.max(zero, u))),
         v: simd.store(simd.min(one, simd.max(zero, v))),
     }
-}
-
-/// Which of some lanes have a triangle whose plane is certainly met before the origin, as [`is_certainly_behind`](super::terms::is_certainly_behind) tells.
-#[inline(always)]
-pub(super) fn certainly_behind<S: Simd>(
-    simd: S,
-    vectors: RayAndTriangle<S::F32s>,
-    lanes: u32,
-) -> u32 {
-    let nothing = simd.splat_f64(0.0);
-    let mut behind = 0;
-    // Most often the lanes are in one half.
-    if lanes & 0x0f != 0 {
-        let [half, _] = halves(simd, vectors);
-        let [a, b, c] = behind_terms(simd, half);
-        let bits = |half: S::F64s| simd.sign_bits_f64([half, nothing]);
-        behind |= bits(a) & bits(b) & bits(c);
-    }
-    if lanes & 0xf0 != 0 {
-        let [_, half] = halves(simd, vectors);
-        let [a, b, c] = behind_terms(simd, half);
-        let bits = |half: S::F64s| simd.sign_bits_f64([nothing, half]);
-        behind |= bits(a) & bits(b) & bits(c);
-    }
-    behind & lanes
 }
 
 /// The first four lanes and the last, as f64.

@@ -18,6 +18,7 @@
 //! are needed: for the closest one at the end, and where the intervals of two overlap. [`ExactBlockFilter`] is that of the exact kernels. [`ReachBlockFilter`], that
 //! of the others, has bounds that are wider by the reach, and names no certain hits. Each has a [`RaysFilter`] beside it, for eight rays of a packet and one triangle at a time.
 
+mod behind;
 mod block;
 mod confirm;
 mod exact;

@@ -2,8 +2,10 @@
 //!
 //! The rays are sheared onto a common axis; [`sheared`](super::sheared) says what that asks of them, and has the bounds.
 
+use std::hint::black_box;
+
 use super::block::{BlockFilter, BlockVerdict};
-use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Shear, T_ERROR, TINY_T};
+use super::sheared::{DIRECTIONS, FARTHEST, Limits, Shear, Sight, T_ERROR, TINY_T};
 use crate::simd::{Lanes, Simd};
 use crate::{Axis, RayLanes, TriangleBlock};
 
@@ -28,19 +30,6 @@ pub trait RaysFilter: Copy {
         triangle: usize,
     ) -> Option<BlockVerdict>;
 
-    /// As [`BlockFilter::possible_in_f64`], for a triangle and lanes of rays.
-    #[inline(always)]
-    fn possible_in_f64<S: Simd>(
-        &self,
-        _simd: S,
-        _rays: &RayLanes,
-        _block: &TriangleBlock,
-        _triangle: usize,
-        lanes: u32,
-    ) -> u32 {
-        lanes
-    }
-
     /// The filter of one of the rays alone.
     fn of_lane(&self, rays: &RayLanes, lane: usize) -> Self::Block;
 }
@@ -50,8 +39,8 @@ pub trait RaysFilter: Copy {
 pub(super) struct RaysAlongAxis {
     /// What they are sheared onto.
     pub(super) axis: Axis,
-    /// The reciprocals of the direction components along it.
-    pub(super) reciprocal: Lanes,
+    /// Minus the reciprocals of the direction components along it.
+    pub(super) minus_reciprocal: Lanes,
     /// The sizes of the largest direction components, and some roundings.
     pub(super) along: Lanes,
     /// What a computed `t` may be for an exact one from `t_min` on.
@@ -63,7 +52,7 @@ pub(super) struct RaysAlongAxis {
 impl RaysAlongAxis {
     pub(super) const EMPTY: Self = Self {
         axis: Axis::X,
-        reciprocal: Lanes::splat(1.0),
+        minus_reciprocal: Lanes::splat(1.0),
         along: Lanes::splat(1.0),
         first_t: Lanes::splat(0.0),
         end: Lanes::splat(0.0),
@@ -95,7 +84,7 @@ impl RaysAlongAxis {
         );
         *self = Self {
             axis,
-            reciprocal: simd.store(simd.div(simd.splat(1.0), component)),
+            minus_reciprocal: simd.store(simd.div(simd.splat(-1.0), component)),
             along: simd.store(simd.mul(largest, simd.splat(1.0 + T_ERROR))),
             first_t: simd.store(simd.sub(t_min, margin)),
             end: rays.t_max,
@@ -113,39 +102,80 @@ impl RaysAlongAxis {
         simd.bits(is_in_range) == 0xff
     }
 
-    /// A triangle as the rays see it.
+    /// A triangle of a block before the rays.
     #[inline(always)]
-    pub(super) fn see<S: Simd>(
-        &self,
+    pub(super) const fn before<'a, S: Simd>(
+        &'a self,
         simd: S,
-        rays: &RayLanes,
-        block: &TriangleBlock,
+        rays: &'a RayLanes,
+        block: &'a TriangleBlock,
         triangle: usize,
-    ) -> Seen<S> {
-        let axes = self.axis.around();
-        let [x, y, _] = axes;
-        let load = |lanes: &[Lanes; 3], axis: Axis| simd.load(&lanes[axis as usize]);
-        let shear = Shear {
-            x: load(&rays.direction, x),
-            y: load(&rays.direction, y),
-            reciprocal: simd.load(&self.reciprocal),
-            along: simd.load(&self.along),
-        };
-        let distance = |vertex: usize, axis: Axis| {
-            let coordinate = simd.splat(block.coordinate(triangle, vertex, axis));
-            simd.sub(coordinate, load(&rays.origin, axis))
-        };
-        Seen::new(simd, &shear, axes, distance)
+    ) -> BeforeRays<'a, S> {
+        BeforeRays {
+            simd,
+            axes: self.axis.around(),
+            prepared: self,
+            rays,
+            block,
+            triangle,
+        }
     }
 
     /// The intervals of the rays.
     #[inline(always)]
     pub(super) fn limits<S: Simd>(&self, simd: S, rays: &RayLanes) -> Limits<S> {
         Limits {
+            is_ahead: true,
             t_min: simd.load(&rays.t_min),
             first_t: simd.load(&self.first_t),
             t_max: simd.load(&rays.t_max),
             end: simd.load(&self.end),
+        }
+    }
+}
+
+/// A triangle of a block before eight rays.
+#[derive(Clone, Copy)]
+pub(super) struct BeforeRays<'a, S> {
+    simd: S,
+    axes: [Axis; 3],
+    prepared: &'a RaysAlongAxis,
+    rays: &'a RayLanes,
+    block: &'a TriangleBlock,
+    triangle: usize,
+}
+
+impl<S: Simd> Sight<S> for BeforeRays<'_, S> {
+    #[inline(always)]
+    fn axes(&self) -> [Axis; 3] {
+        self.axes
+    }
+
+    #[inline(always)]
+    fn shear(&self) -> Shear<S> {
+        let [x, y, _] = self.axes;
+        Shear {
+            x: self.simd.load(&self.rays.direction[x as usize]),
+            y: self.simd.load(&self.rays.direction[y as usize]),
+            minus_reciprocal: self.simd.load(&self.prepared.minus_reciprocal),
+            along: self.simd.load(&self.prepared.along),
+        }
+    }
+
+    #[inline(always)]
+    fn to_origin(&self, vertex: usize, axis: Axis) -> S::F32s {
+        let coordinate = self.block.coordinate(self.triangle, vertex, axis);
+        let origin = self.simd.load(&self.rays.origin[axis as usize]);
+        self.simd.sub(origin, self.simd.splat(coordinate))
+    }
+
+    #[inline(always)]
+    fn anew(self) -> Self {
+        let (rays, block) = (black_box(self.rays), black_box(self.block));
+        Self {
+            rays,
+            block,
+            ..self
         }
     }
 }

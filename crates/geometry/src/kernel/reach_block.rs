@@ -47,7 +47,7 @@ impl BlockFilter for ReachBlockFilter {
         }
         let reciprocal = simd.splat(filter.reciprocal());
         let limits = filter.limits(simd, t_max);
-        let seen = filter.see(simd, block);
+        let seen = Seen::new(simd, &filter.before(simd, block));
         BlockVerdict::undecided(possible(simd, &seen, reciprocal, &limits))
     }
 }
@@ -75,9 +75,9 @@ impl RaysFilter for ReachRaysFilter {
         triangle: usize,
     ) -> Option<BlockVerdict> {
         let Self(prepared) = self;
-        let reciprocal = simd.abs(simd.load(&prepared.reciprocal));
+        let reciprocal = simd.abs(simd.load(&prepared.minus_reciprocal));
         let limits = prepared.limits(simd, rays);
-        let seen = prepared.see(simd, rays, block, triangle);
+        let seen = Seen::new(simd, &prepared.before(simd, rays, block, triangle));
         BlockVerdict::undecided(possible(simd, &seen, reciprocal, &limits))
     }
 

@@ -168,42 +168,6 @@ pub(super) fn certain_hit(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit>
     is_certain.then(|| TriangleHit::new(low, u, v))
 }
 
-/// Numbers that are negative, all three, if a triangle's plane is certainly met before the origin; for one ray and triangle, or four.
-///
-/// None is so small that it underflows: that they are negative is told by their sign bits.
-#[inline(always)]
-pub(super) fn behind_terms<D: Doubles>(
-    n: D,
-    [origin, direction, a, b, c]: RayAndTriangle<D::F64s>,
-) -> [D::F64s; 3] {
-    let (f, e1, e2) = (minus(n, a, origin), minus(n, b, a), minus(n, c, a));
-    let normal = cross(n, e1, e2);
-    let (depth, determinant) = (dot(n, f, normal), dot(n, direction, normal));
-    let error = n.mul_f64(n.splat_f64(F64_ERROR), length(n, e1));
-    let error = n.mul_f64(error, length(n, e2));
-    [
-        n.sub_f64(n.mul_f64(error, length(n, f)), n.abs_f64(depth)),
-        n.sub_f64(
-            n.mul_f64(error, length(n, direction)),
-            n.abs_f64(determinant),
-        ),
-        n.mul_f64(depth, determinant),
-    ]
-}
-
-/// Whether a triangle's plane is certainly met before the origin.
-#[inline(always)]
-pub(super) fn is_certainly_behind(
-    origin: [f32; 3],
-    direction: [f32; 3],
-    [a, b, c]: [[f32; 3]; 3],
-) -> bool {
-    let [depth, determinant, product] =
-        behind_terms(Scalar, [origin, direction, a, b, c].map(wide));
-    // Without branches between: the signs are as unpredictable.
-    (depth < 0.0) & (determinant < 0.0) & (product < 0.0)
-}
-
 #[inline(always)]
 fn wide(vector: [f32; 3]) -> [f64; 3] {
     vector.map(f64::from)

@@ -345,13 +345,8 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     if uncertain == 0 {
         return ControlFlow::Continue(());
     }
-    let possible = filter.possible_in_f64(simd, ray, block, uncertain);
-    counter.decisions(Rung::F64, u64::from((uncertain & !possible).count_ones()));
-    if possible == 0 {
-        return ControlFlow::Continue(());
-    }
     let kernel = K::new(ray);
-    for lane in lanes_of(possible) {
+    for lane in lanes_of(uncertain) {
         let (triangle, primitive) = (block.triangle(lane), block.used_number(lane));
         test_filtered(&kernel, &triangle, primitive, collector, counter)?;
     }

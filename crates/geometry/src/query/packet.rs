@@ -83,20 +83,16 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
             done |= u32::from(search.keep(rays, lane, step)) << lane;
         }
     }
-    let uncertain = verdict.possible & !verdict.certain & lanes;
-    if uncertain != 0 {
-        let possible = filter.possible_in_f64(simd, rays, block, triangle, uncertain);
-        for lane in lanes_of(possible) {
-            let search = &mut searches[lane];
-            let step = test_filtered(
-                &K::new(search.ray),
-                &block.triangle(triangle),
-                block.used_number(triangle),
-                &mut search.collector,
-                &mut (),
-            );
-            done |= u32::from(search.keep(rays, lane, step)) << lane;
-        }
+    for lane in lanes_of(verdict.possible & !verdict.certain & lanes) {
+        let search = &mut searches[lane];
+        let step = test_filtered(
+            &K::new(search.ray),
+            &block.triangle(triangle),
+            block.used_number(triangle),
+            &mut search.collector,
+            &mut (),
+        );
+        done |= u32::from(search.keep(rays, lane, step)) << lane;
     }
     done
 }

@@ -3,45 +3,13 @@ use std::ops::Range;
 
 use glam::Vec3;
 use proptest::prelude::*;
-use proptest::strategy::ValueTree;
-use proptest::test_runner::TestRunner;
 
 use super::*;
 use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, ReachBlockFilter, Woop};
-use crate::oracle::Oracle;
 use crate::predicate::compare_t;
-use crate::simd::{AvailableSimd, SimdLevel, WithSimd, bits_of};
-use crate::test_support::{grid_point, point, soup};
-use crate::{
-    Aabb, BruteForce, Precision, RayQuery, SurfacePoint, Triangle, TriangleKernel, size_of_bounds,
-};
-
-/// What the filter leaves of all lanes in f64.
-struct InF64<'a>(&'a Ray, &'a TriangleBlock, u32);
-
-impl WithSimd for InF64<'_> {
-    type Output = u32;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> u32 {
-        let Self(ray, block, lanes) = self;
-        let filter = ExactBlockFilter::new(ray, &FusedRay::new(ray, 1.0, 0.0));
-        filter.possible_in_f64(simd, ray, block, lanes)
-    }
-}
-
-/// The lanes of a block that the filter gives up in f64, of all that are used; together they are what each is alone.
-fn given_up_in_f64(ray: &Ray, triangles: &[Triangle]) -> u32 {
-    let block = TriangleBlock::new((0..).zip(triangles.iter().copied()));
-    let possible = |level: AvailableSimd, lanes: u32| level.dispatch(InF64(ray, &block, lanes));
-    let alone = bits_of(u64::from(block.used()))
-        .map(|lane| possible(levels().next().expect("a level"), 1 << lane));
-    let alone = alone.fold(0, |all, lane| all | lane);
-    for level in levels() {
-        assert_eq!(possible(level, block.used()), alone, "{:?}", level.level());
-    }
-    block.used() & !alone
-}
+use crate::simd::{AvailableSimd, LANES, SimdLevel, WithSimd};
+use crate::test_support::{grid_point, point};
+use crate::{Aabb, Triangle, TriangleKernel, size_of_bounds};
 
 struct Test<'a, F> {
     filter: F,
@@ -63,7 +31,7 @@ pub(in crate::kernel) fn levels() -> impl Iterator<Item = AvailableSimd> {
 }
 
 /// What the filter says at a level of triangles of a structure that has just these.
-fn verdict<F: BlockFilter>(
+pub(in crate::kernel) fn verdict<F: BlockFilter>(
     level: AvailableSimd,
     ray: &Ray,
     triangles: &[Triangle],
@@ -121,17 +89,6 @@ pub(in crate::kernel) fn check_lane(
 
 /// Checks what the filter says of some triangles.
 fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
-    let (exact, crossing) = (Exact::new(ray), ExactCrossing::new(ray));
-    let given_up = given_up_in_f64(ray, triangles);
-    for (lane, triangle) in triangles.iter().enumerate() {
-        let is_hit = exact.intersect(triangle, f32::INFINITY, &mut ()).is_some()
-            || crossing
-                .intersect(triangle, f32::INFINITY, &mut ())
-                .is_some();
-        if given_up >> lane & 1 == 1 && is_hit {
-            return Err(format!("{triangle:?}: a hit is given up in f64"));
-        }
-    }
     for level in levels() {
         let verdict = verdict::<ExactBlockFilter>(level, ray, triangles, t_max);
         let name = level.level();
@@ -204,7 +161,7 @@ fn scales(sizes: Range<i32>) -> impl Strategy<Value = Scales> {
     })
 }
 
-fn scaled(vector: Vec3, power: i32) -> Vec3 {
+pub(in crate::kernel) fn scaled(vector: Vec3, power: i32) -> Vec3 {
     (vector.as_dvec3() * 2f64.powi(power)).as_vec3()
 }
 
@@ -241,7 +198,7 @@ pub(in crate::kernel) fn scene(sizes: Range<i32>) -> impl Strategy<Value = (Vec<
     )
 }
 
-fn assert_true_of_kernels(triangles: &[Triangle], ray: &Ray, t_max: f32) {
+pub(in crate::kernel) fn assert_true_of_kernels(triangles: &[Triangle], ray: &Ray, t_max: f32) {
     let is_finite = |triangle: &Triangle| triangle.vertices().iter().all(|v| v.is_finite());
     if !ray.is_valid() || !triangles.iter().all(is_finite) {
         return;
@@ -296,49 +253,6 @@ proptest! {
     ) {
         assert_true_of_kernels(&triangles, &ray, t_max);
     }
-}
-
-/// Rays that leave a surface, as the oracle sees them: what f64 gives up is not hit, and that is the triangle that they start on.
-#[test]
-fn the_triangle_that_a_ray_starts_on_is_given_up_in_f64() {
-    let [mut rays, mut decided] = [0; 2];
-    let mut runner = TestRunner::deterministic();
-    let scenes = (scene(-12..12), point(1.0), any::<bool>());
-    for _ in 0..1000 {
-        let ((triangles, ray), direction, is_exact) =
-            scenes.new_tree(&mut runner).expect("a scene").current();
-        let mesh = soup(triangles.iter().map(Triangle::vertices).collect());
-        let Some(hit) = BruteForce::new(&mesh, Precision::Exact).closest_hit(&ray) else {
-            continue;
-        };
-        let precision = if is_exact {
-            Precision::Exact
-        } else {
-            Precision::Fast
-        };
-        let start = SurfacePoint::new(&hit, &triangles[hit.primitive as usize], precision);
-        let ray = start.spawn_ray(direction);
-        let given_up = given_up_in_f64(&ray, &triangles);
-        for hit in Oracle::new(&mesh).all_closed_hits(&ray) {
-            assert!(given_up >> hit.triangle & 1 == 0, "{ray:?} {triangles:?}");
-        }
-        rays += 1;
-        decided += given_up >> hit.primitive & 1;
-    }
-    // Of needles f64 is not certain.
-    assert!(
-        rays > 300 && decided * 20 > rays * 19,
-        "{decided} of {rays}"
-    );
-}
-
-#[test]
-fn nothing_is_given_up_in_f64_where_the_interval_begins_behind_the_origin() {
-    let triangle = triangle_around(Vec3::Z, 1.0);
-    let ray = Ray::new(Vec3::Z * 2.0, Vec3::Z);
-    assert_eq!(given_up_in_f64(&ray, &[triangle; 3]), 7);
-    let ray = Ray { t_min: -0.5, ..ray };
-    assert_eq!(given_up_in_f64(&ray, &[triangle; 3]), 0);
 }
 
 fn triangle_around(center: Vec3, size: f32) -> Triangle {

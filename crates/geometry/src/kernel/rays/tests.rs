@@ -4,6 +4,7 @@ use glam::{Vec3, Vec3Swizzles};
 use proptest::prelude::*;
 
 use super::*;
+use crate::kernel::behind::tests::at_surface;
 use crate::kernel::exact_block::tests::{check_lane, levels, scene};
 use crate::kernel::{ExactBlockFilter, MollerTrumbore, ReachBlockFilter, Woop};
 use crate::simd::{LANES, WithSimd};
@@ -17,8 +18,6 @@ struct Test<'a, F>(&'a [Ray], &'a [Triangle], &'a [f32], F);
 struct Verdicts {
     of_rays: Vec<Option<BlockVerdict>>,
     of_blocks: Vec<Option<BlockVerdict>>,
-    /// Lanes that are given up in f64.
-    given_up: Vec<u32>,
 }
 
 impl<F: RaysFilter> WithSimd for Test<'_, F> {
@@ -45,11 +44,8 @@ impl<F: RaysFilter> WithSimd for Test<'_, F> {
         let of_blocks = of_blocks.collect();
         lanes.t_max.0[..limits.len()].copy_from_slice(limits);
         let all = (0..triangles.len()).map(|triangle| filter.test(simd, &lanes, &block, triangle));
-        let given_up = (0..triangles.len())
-            .map(|triangle| 0xff & !filter.possible_in_f64(simd, &lanes, &block, triangle, 0xff));
         Some(Verdicts {
             of_rays: all.collect(),
-            given_up: given_up.collect(),
             of_blocks,
         })
     }
@@ -59,7 +55,8 @@ impl<F: RaysFilter> WithSimd for Test<'_, F> {
 fn rays_and_triangles(sizes: Range<i32>) -> impl Strategy<Value = (Vec<Ray>, Vec<Triangle>)> {
     let moves = prop::collection::vec((point(1.0), point(1.0)), LANES - 1);
     let spread = prop::sample::select(vec![0.0, 1e-6, 1e-2, 0.3, 1.0]);
-    let scene = scene(sizes).prop_filter("what a packet takes", |(triangles, ray)| {
+    let scene = prop_oneof![scene(sizes.clone()), at_surface(sizes)];
+    let scene = scene.prop_filter("what a packet takes", |(triangles, ray)| {
         let mut vertices = triangles.iter().flat_map(Triangle::vertices);
         ray.is_valid() && ray.t_max >= 0.0 && vertices.all(Vec3::is_finite)
     });
@@ -93,11 +90,6 @@ fn check(rays: &[Ray], triangles: &[Triangle], limits: &[f32]) -> Result<(), Str
                     for verdict in [of_rays, of_block] {
                         check_lane(ray, triangle, *t_max, verdict)
                             .map_err(|error| format!("{name:?}, {ray:?}, {verdict:?}: {error}"))?;
-                    }
-                    let is_given_up = verdicts.given_up[place] >> lane & 1 == 1;
-                    let kernel = crate::Exact::new(ray);
-                    if is_given_up && kernel.intersect(triangle, f32::INFINITY, &mut ()).is_some() {
-                        return Err(format!("{ray:?}, {triangle:?}: a hit is given up"));
                     }
                 }
             }
