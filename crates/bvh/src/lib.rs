@@ -44,8 +44,8 @@
 //! - [`RayQuery`](tahko_geometry::RayQuery) has them. For many rays take its batches, `closest_hits` and `any_hits`. Neighbours in the list that go nearly the
 //!   same way, as those of a camera do in tiles of its picture, are traced as packets. Of others several are kept in flight, so that some are worked on while others wait
 //!   for memory, or for a branch that was foreseen wrongly. `Bvh::closest_hits_parallel` and `Bvh::any_hits_parallel` share a batch among threads.
-//! - The instructions are chosen when the program runs: AVX2 and FMA of x86-64 where the processor has them, otherwise whatever every
-//!   processor of the architecture has. [`Bvh::with_simd`] makes another choice; AVX-512 and NEON have no code of their own yet.
+//! - The instructions are chosen when the program runs: AVX-512 (for vectors of 256 bits) or AVX2 and FMA of x86-64 where the processor has them, otherwise whatever every
+//!   processor of the architecture has. [`Bvh::with_simd`] makes another choice; NEON has no code of its own yet.
 //! - At every precision a filter looks at eight triangles at a time and leaves few to the kernel. Only that of the exact precision is
 //!   also sure of hits.
 //!

@@ -11,7 +11,7 @@ use std::ops::ControlFlow;
 
 use tahko_geometry::glam::Vec3;
 use tahko_geometry::kernel::BlockFilter;
-use tahko_geometry::simd::{Simd, WithSimd};
+use tahko_geometry::simd::{AvailableSimd, Simd, SimdLevel, WithSimd};
 use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
 
 use super::access::View;
@@ -35,15 +35,17 @@ pub(super) struct Batch<'a, K: TriangleKernel, H: HitCollector, N> {
     pub(super) kernel: PhantomData<K>,
 }
 
-impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Batch<'_, K, H, N> {
-    type Output = ();
+impl<K: TriangleKernel, H: HitCollector, N: Node> Batch<'_, K, H, N> {
+    /// The best instructions that packets are traced with. With AVX-512 a Sapphire Rapids was measured to take 7 to 24 % longer for packets of shadow rays and about as long for those
+    /// of a camera, where rays alone gain.
+    const OF_PACKETS: SimdLevel = SimdLevel::Avx2;
 
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
+    /// Answers all rays, with instructions up to a level.
+    pub(super) fn run(self, simd: AvailableSimd) {
         if are_coherent(self.rays, self.bvh.size) {
-            simd.outline(Packets(self));
+            simd.at_most(Self::OF_PACKETS).dispatch(Packets(self));
         } else {
-            simd.outline(Turns(self));
+            simd.dispatch(Turns(self));
         }
     }
 }

@@ -63,12 +63,15 @@ impl Traverse for Bvh {
     }
 
     fn answers<K: TriangleKernel, H: HitCollector>(&self, rays: &[Ray], answers: &mut [H::Answer]) {
-        with_source!(self.layout(), source => self.simd().dispatch(Batch::<K, H, _> {
-            bvh: source.view(),
-            rays,
-            answers,
-            kernel: PhantomData,
-        }));
+        with_source!(self.layout(), source => {
+            let batch = Batch::<K, H, _> {
+                bvh: source.view(),
+                rays,
+                answers,
+                kernel: PhantomData,
+            };
+            batch.run(self.simd());
+        });
     }
 }
 

@@ -9,11 +9,17 @@
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
+#[cfg(target_arch = "x86_64")]
+mod avx512;
 mod doubles;
 mod portable;
+#[cfg(target_arch = "x86_64")]
+mod x86;
 
 #[cfg(target_arch = "x86_64")]
 pub use avx2::Avx2;
+#[cfg(target_arch = "x86_64")]
+pub use avx512::Avx512;
 pub(crate) use doubles::widen_all;
 pub use doubles::{Doubles, Scalar};
 pub use portable::Portable;
@@ -145,18 +151,21 @@ pub enum SimdLevel {
     Portable,
     /// AVX2 and FMA of x86-64.
     Avx2,
+    /// AVX-512 of x86-64: F, VL, DQ and BW.
+    Avx512,
 }
 
 impl SimdLevel {
     /// All levels, from the simplest on.
-    pub const ALL: [Self; 2] = [Self::Portable, Self::Avx2];
+    pub const ALL: [Self; 3] = [Self::Portable, Self::Avx2, Self::Avx512];
 
-    /// The name in reports and on command lines: `portable` or `avx2`.
+    /// The name in reports and on command lines: `portable`, `avx2` or `avx512`.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Portable => "portable",
             Self::Avx2 => "avx2",
+            Self::Avx512 => "avx512",
         }
     }
 
@@ -173,8 +182,10 @@ impl SimdLevel {
             Self::Portable => Some(AvailableSimd(Available::Portable)),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2 => Avx2::new().map(|simd| AvailableSimd(Available::Avx2(simd))),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512 => Avx512::new().map(|simd| AvailableSimd(Available::Avx512(simd))),
             #[cfg(not(target_arch = "x86_64"))]
-            Self::Avx2 => None,
+            Self::Avx2 | Self::Avx512 => None,
         }
     }
 }
@@ -188,6 +199,8 @@ enum Available {
     Portable,
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512),
 }
 
 impl AvailableSimd {
@@ -198,6 +211,17 @@ impl AvailableSimd {
         available.next_back().unwrap_or(Self(Available::Portable))
     }
 
+    /// This level, or where it is beyond `limit` the best one that is not.
+    #[must_use]
+    pub fn at_most(self, limit: SimdLevel) -> Self {
+        if self.level() <= limit {
+            return self;
+        }
+        let below = SimdLevel::ALL.into_iter().filter(|level| *level <= limit);
+        let mut available = below.filter_map(SimdLevel::available);
+        available.next_back().unwrap_or(Self(Available::Portable))
+    }
+
     /// Which level it is.
     #[must_use]
     pub const fn level(self) -> SimdLevel {
@@ -205,6 +229,8 @@ impl AvailableSimd {
             Available::Portable => SimdLevel::Portable,
             #[cfg(target_arch = "x86_64")]
             Available::Avx2(_) => SimdLevel::Avx2,
+            #[cfg(target_arch = "x86_64")]
+            Available::Avx512(_) => SimdLevel::Avx512,
         }
     }
 
@@ -215,6 +241,8 @@ impl AvailableSimd {
             Available::Portable => Portable.run(algorithm),
             #[cfg(target_arch = "x86_64")]
             Available::Avx2(simd) => simd.run(algorithm),
+            #[cfg(target_arch = "x86_64")]
+            Available::Avx512(simd) => simd.run(algorithm),
         }
     }
 }
