@@ -24,7 +24,7 @@ const UNSAFE_FILES: &[&str] = &[
     "crates/bvh/src/huge_pages.rs",
     "crates/bvh/src/wide/access.rs",
     "crates/bvh/src/wide/stack.rs",
-    "crates/geometry/src/simd/avx2.rs",
+    "crates/geometry/src/simd/x86.rs",
     // An allocator that counts, for a test.
     "crates/bvh/tests/memory.rs",
 ];
