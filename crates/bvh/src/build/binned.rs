@@ -23,7 +23,7 @@ pub(super) struct BinMap {
 
 /// Adding this to a small number rounds it to a whole one, and leaves that in the lower bits. Conversion to integers would
 /// take several times as long, as it has to care for numbers of any size.
-const ROUNDING: f32 = 12_582_912.0;
+pub(super) const ROUNDING: f32 = 12_582_912.0;
 
 impl BinMap {
     /// Bins of equal width over the box of the centroids. On an axis on which all centroids coincide, or are so

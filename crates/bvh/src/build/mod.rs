@@ -141,6 +141,24 @@ impl BinaryTree {
         tree.expect("nobody cancels it")
     }
 
+    /// The nodes that the root leads to; checks that each is reached once, and none too deep.
+    #[cfg(test)]
+    fn reached(&self, name: &str) -> Vec<usize> {
+        let mut is_reached = vec![false; self.nodes.len()];
+        let mut reached = Vec::new();
+        let mut pending = vec![(0, 1)];
+        while let Some((node, depth)) = pending.pop() {
+            assert!(!is_reached[node], "{name}: {node} is reached twice");
+            assert!(depth <= MAX_DEPTH, "{name}: {node} at {depth}");
+            is_reached[node] = true;
+            reached.push(node);
+            if let Link::Inner(children) = self.node(node).1 {
+                pending.extend(children.map(|child| (child, depth + 1)));
+            }
+        }
+        reached
+    }
+
     /// The work per triangle that a build reports to its control.
     pub(crate) const WORK: u64 = 8 * WORK_UNIT;
 

@@ -6,7 +6,7 @@ use tahko_geometry::test_support::{degenerate_meshes, mesh, soup};
 use super::pairs::ROOT;
 use super::*;
 use crate::BvhOptions;
-use crate::build::{Link, MAX_DEPTH};
+use crate::build::Link;
 
 /// A tree that leaves much to improve.
 fn build(mesh: &TriangleMesh) -> BinaryTree {
@@ -42,19 +42,14 @@ fn leaves(tree: &BinaryTree) -> Vec<(Vec<u32>, [[u32; 3]; 2])> {
 
 /// Checks the form of a tree: all nodes reached once, tight boxes, depth.
 fn check(name: &str, tree: &BinaryTree) {
-    let mut is_reached = vec![false; tree.nodes.len()];
-    let mut pending = vec![(0, 1)];
-    while let Some((node, depth)) = pending.pop() {
-        assert!(!is_reached[node], "{name}: {node} is reached twice");
-        assert!(depth <= MAX_DEPTH, "{name}: {node} at {depth}");
-        is_reached[node] = true;
+    let reached = tree.reached(name);
+    assert_eq!(reached.len(), tree.nodes.len(), "{name}");
+    for node in reached {
         if let (bounds, Link::Inner(children)) = tree.node(node) {
             let [first, second] = children.map(|child| tree.node(child).0);
             assert_eq!(bounds, first.union(second), "{name}: {node}");
-            pending.extend(children.map(|child| (child, depth + 1)));
         }
     }
-    assert!(is_reached.iter().all(|reached| *reached), "{name}");
 }
 
 /// Improves a tree one round at a time and checks it after each. Returns the costs before and after.

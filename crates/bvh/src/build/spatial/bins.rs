@@ -7,6 +7,7 @@ use tahko_geometry::{
 };
 
 use super::pieces;
+use crate::build::binned::ROUNDING;
 use crate::build::reference::{Bounds, Reference};
 use crate::parallel::reduce;
 
@@ -56,9 +57,6 @@ pub(super) fn best(
         best_of::<16>(references, bounds, mesh, slack, simd)
     }
 }
-
-/// Added to a small number it rounds that to a whole one, and leaves it in the lower bits: conversion would have to care for numbers of any size.
-const ROUNDING: f32 = 12_582_912.0;
 
 /// Nodes of fewer references have 8 bins, others 16: that saves a twentieth of the build time, at no cost.
 const FEW: usize = 256;

@@ -53,19 +53,13 @@ fn finds(tree: &BinaryTree, node: usize, number: u32, point: DVec3) -> bool {
 /// Checks that points of each triangle are found, and the form of the tree. Returns how many triangles the leaves list.
 pub(super) fn check(name: &str, mesh: &TriangleMesh, tree: &BinaryTree) -> usize {
     let mut is_listed = vec![false; tree.references.len()];
-    let mut is_reached = vec![false; tree.nodes.len()];
-    let mut pending = vec![(0, 1)];
-    while let Some((node, depth)) = pending.pop() {
-        assert!(!is_reached[node], "{name}: {node} is reached twice");
-        assert!(depth <= MAX_DEPTH, "{name}: {node} at {depth}");
-        is_reached[node] = true;
+    for node in tree.reached(name) {
         let (bounds, link) = tree.node(node);
         match link {
             Link::Inner(children) => {
                 for child in children {
                     let inside = tree.node(child).0;
                     assert!(bounds.contains_box(&inside), "{name}: {child}");
-                    pending.push((child, depth + 1));
                 }
             }
             Link::Leaf { first, count } => {
