@@ -112,8 +112,8 @@ pub use fused_ray::{
 };
 pub use glam;
 pub use kernel::{
-    BlockFilter, BlockVerdict, Exact, MollerTrumbore, Precision, RaysFilter, TriangleHit,
-    TriangleKernel, Woop,
+    BlockFilter, BlockTest, BlockVerdict, Exact, MollerTrumbore, Precision, RaysFilter,
+    TriangleHit, TriangleKernel, Woop,
 };
 pub use mesh::{DroppedTriangle, MeshError, TriangleMesh};
 pub use plane::{Plane, Side};

@@ -16,6 +16,9 @@ pub(crate) trait Node: Copy {
     /// goes in the negative direction, as the lowest bit of `negative` says, so that those come first which it meets first.
     fn planes<S: Simd>(&self, simd: S, axis: usize, negative: u32) -> [S::F32s; 2];
 
+    /// A plane of a child's box across an axis: the smallest coordinate for an even `side`, the largest for an odd one.
+    fn child_plane(&self, axis: usize, side: u32, lane: usize) -> f32;
+
     /// The same boxes and children as 32-bit numbers.
     fn decoded(&self) -> WideNode;
 }
@@ -115,6 +118,11 @@ impl Node for WideNode {
         let second = first ^ 1;
         let planes = &self.bounds[axis];
         [simd.load(&planes[first]), simd.load(&planes[second])]
+    }
+
+    #[inline(always)]
+    fn child_plane(&self, axis: usize, side: u32, lane: usize) -> f32 {
+        self.bounds[axis][(side & 1) as usize].0[lane]
     }
 
     #[inline(always)]

@@ -21,7 +21,7 @@ use super::access::View;
 use super::frustum::Frustum;
 use super::node::Node;
 use super::traverse::Way;
-use super::{Child, Kind, WideNode};
+use super::{Child, Kind};
 
 /// Rays of a packet at most: one bit each.
 pub(super) const SIZE: usize = 64;
@@ -31,13 +31,18 @@ const FEW: u32 = 4;
 
 /// Rays that go into the same octant and begin at zero or later, with what they have found.
 pub(super) struct Packet<'a, K: TriangleKernel, H> {
-    rays: [RayLanes; GROUPS],
-    fused: [FusedPacket; GROUPS],
-    filters: [RaysFilterOf<K>; GROUPS],
+    groups: [Group<K>; GROUPS],
     /// Whether all filters decide.
     filters_decide: bool,
     searches: Vec<RaySearch<'a, H>>,
     waiting: Vec<Waiting>,
+}
+
+/// Eight of the rays.
+struct Group<K: TriangleKernel> {
+    rays: RayLanes,
+    fused: FusedPacket,
+    filter: RaysFilterOf<K>,
 }
 
 /// A child that waits.
@@ -57,9 +62,11 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
     pub(super) fn new() -> Self {
         let anything = Ray::new(Vec3::ZERO, Vec3::ONE);
         Self {
-            rays: [RayLanes::splat(&anything); GROUPS],
-            fused: [FusedPacket::EMPTY; GROUPS],
-            filters: [RaysFilterOf::<K>::EMPTY; GROUPS],
+            groups: std::array::from_fn(|_| Group {
+                rays: RayLanes::splat(&anything),
+                fused: FusedPacket::EMPTY,
+                filter: RaysFilterOf::<K>::EMPTY,
+            }),
             filters_decide: false,
             searches: Vec::with_capacity(SIZE),
             waiting: Vec::new(),
@@ -70,13 +77,13 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
     #[inline(always)]
     pub(super) fn fill<S: Simd>(&mut self, simd: S, rays: &'a [Ray]) {
         let (groups, rest) = rays.as_chunks::<LANES>();
-        for (lanes, rays) in self.rays.iter_mut().zip(groups) {
-            *lanes = RayLanes::new(simd, rays);
+        for (group, rays) in self.groups.iter_mut().zip(groups) {
+            group.rays = RayLanes::new(simd, rays);
         }
-        if let (Some(lanes), Some(first)) = (self.rays.get_mut(groups.len()), rest.first()) {
-            *lanes = lanes_beside(first);
+        if let (Some(group), Some(first)) = (self.groups.get_mut(groups.len()), rest.first()) {
+            group.rays = lanes_beside(first);
             for (lane, ray) in rest.iter().enumerate() {
-                lanes.set(lane, ray);
+                group.rays.set(lane, ray);
             }
         }
         self.searches.clear();
@@ -87,7 +94,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
     pub(super) fn fill_with(&mut self, rays: &'a [Ray], places: u64) {
         self.searches.clear();
         for (place, index) in bits_of(places).enumerate() {
-            let (lanes, ray) = (&mut self.rays[place / LANES % GROUPS], &rays[index]);
+            let (lanes, ray) = (&mut self.groups[place / LANES % GROUPS].rays, &rays[index]);
             if place.is_multiple_of(LANES) {
                 *lanes = lanes_beside(ray);
             }
@@ -97,57 +104,55 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
     }
 
     /// The rays, eight at a time.
-    pub(super) fn rays(&self) -> &[RayLanes] {
-        &self.rays[..self.groups()]
+    pub(super) fn rays(&self) -> impl Iterator<Item = &RayLanes> {
+        self.groups[..self.used_groups()]
+            .iter()
+            .map(|group| &group.rays)
     }
 
     /// The answers of all rays, in their order.
     #[inline(always)]
     pub(super) fn finish<S: Simd>(&mut self, simd: S, mut answer: impl FnMut(H::Answer)) {
-        for (rays, searches) in self.rays.iter().zip(self.searches.chunks_mut(LANES)) {
-            H::finish_lanes::<S, K>(simd, rays, searches, |_, found| answer(found));
+        for (group, searches) in self.groups.iter().zip(self.searches.chunks_mut(LANES)) {
+            H::finish_lanes::<S, K>(simd, &group.rays, searches, |_, found| answer(found));
         }
     }
 
-    fn groups(&self) -> usize {
+    fn used_groups(&self) -> usize {
         self.searches.len().div_ceil(LANES)
     }
 
     /// The largest `t` that still matters to any ray.
     #[inline(always)]
     fn t_max<S: Simd>(&self, simd: S) -> f32 {
-        let groups = &self.rays[..self.groups()];
-        let largest = groups
-            .iter()
-            .fold(simd.splat(f32::NEG_INFINITY), |largest, rays| {
-                simd.max(largest, simd.load(&rays.t_max))
-            });
+        let mut largest = simd.splat(f32::NEG_INFINITY);
+        for rays in self.rays() {
+            largest = simd.max(largest, simd.load(&rays.t_max));
+        }
         let lanes = simd.store(largest).0;
         lanes.into_iter().fold(f32::NEG_INFINITY, f32::max)
     }
 
     /// Which rays meet the box of a child.
     #[inline(always)]
-    fn clip<S: Simd>(
+    fn clip<S: Simd, N: Node>(
         &self,
         simd: S,
-        node: &WideNode,
+        node: &N,
         lane: usize,
         negative: u32,
         rays: u64,
     ) -> u64 {
-        let plane = |axis: usize, side: usize| {
-            let side = side ^ (negative >> axis & 1) as usize;
-            simd.splat(node.bounds[axis][side].0[lane])
+        let plane = |axis: usize, side: u32| {
+            simd.splat(node.child_plane(axis, side ^ negative >> axis, lane))
         };
         let near_planes = [plane(0, 0), plane(1, 0), plane(2, 0)];
         let far_planes = [plane(0, 1), plane(1, 1), plane(2, 1)];
         let mut met = 0;
-        for group in 0..GROUPS {
-            if rays >> (LANES * group) & 0xff == 0 {
-                continue;
-            }
-            let (lanes, fused) = (&self.rays[group], &self.fused[group]);
+        for group in groups_with(rays) {
+            let Group {
+                rays: lanes, fused, ..
+            } = &self.groups[group];
             let place = |plane: S::F32s, [reciprocal, offset]: &[Lanes; 2]| {
                 simd.mul_add(plane, simd.load(reciprocal), simd.load(offset))
             };
@@ -184,7 +189,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
     /// [Keeps](RaySearch::keep) the `t_max` of a ray that has made a step; its bit, if its search is over.
     #[inline(always)]
     fn keep(&mut self, place: usize, step: ControlFlow<()>) -> u64 {
-        let rays = &mut self.rays[place / LANES];
+        let rays = &mut self.groups[place / LANES].rays;
         u64::from(self.searches[place].keep(rays, place % LANES, step)) << place
     }
 
@@ -208,6 +213,19 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
             self.waiting[place] = child;
         }
     }
+}
+
+/// The groups that have any of some rays, a bit in the place of its last ray for each.
+#[inline(always)]
+const fn last_rays(rays: u64) -> u64 {
+    const BELOW_LAST: u64 = u64::from_ne_bytes([0x7f; GROUPS]);
+    (((rays & BELOW_LAST) + BELOW_LAST) | rays) & !BELOW_LAST
+}
+
+/// The groups that have any of some rays.
+#[inline(always)]
+fn groups_with(rays: u64) -> impl Iterator<Item = usize> {
+    bits_of(last_rays(rays)).map(|place| place / LANES % GROUPS)
 }
 
 /// Lanes that are not used have a ray of the packet, for the bounds, and take no part.
@@ -238,10 +256,11 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
         let size = (bvh.size, K::REACH);
         let axis = Axis::dominant(packet.searches[0].ray.direction);
         packet.filters_decide = true;
-        for group in 0..packet.groups() {
-            let rays = &packet.rays[group];
-            packet.fused[group].prepare(simd, rays, negative, size, &mut bounds);
-            packet.filters_decide &= packet.filters[group].prepare(simd, rays, axis, bvh.size);
+        let used = packet.used_groups();
+        for group in &mut packet.groups[..used] {
+            let rays = &group.rays;
+            group.fused.prepare(simd, rays, negative, size, &mut bounds);
+            packet.filters_decide &= group.filter.prepare(simd, rays, axis, bvh.size);
         }
         let frustum = Frustum::new(simd, &bounds.all_lanes(negative), negative);
         let mut searching = u64::MAX >> (SIZE - packet.searches.len());
@@ -272,7 +291,9 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
                     if searching == 0 {
                         return;
                     }
-                    t_max = packet.t_max(simd);
+                    if H::ORDERED {
+                        t_max = packet.t_max(simd);
+                    }
                 }
             }
             let Some(waiting) = packet.waiting.pop() else {
@@ -281,10 +302,15 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
             if waiting.start > t_max {
                 continue;
             }
-            let node = bvh.node(waiting.node.index()).decoded();
+            let node = bvh.node(waiting.node.index());
             let lane = waiting.lane % LANES;
-            let rays = packet.clip(simd, &node, lane, negative, waiting.rays & searching);
-            next = (rays != 0).then_some((node.children[lane], rays));
+            let child = node.lanes()[lane];
+            if !bvh.is_cached {
+                // It comes while the box is tested.
+                bvh.prefetch(simd, child);
+            }
+            let rays = packet.clip(simd, node, lane, negative, waiting.rays & searching);
+            next = (rays != 0).then_some((child, rays));
         }
     }
 }
@@ -308,5 +334,26 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Alone<'_, '_, K, 
             counter: &mut (),
         };
         way.search(simd, child)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn groups_are_those_that_have_any_ray() {
+        let groups = |rays: u64| groups_with(rays).collect::<Vec<_>>();
+        assert_eq!(groups(0), []);
+        assert_eq!(groups(u64::MAX), [0, 1, 2, 3, 4, 5, 6, 7]);
+        for ray in 0..SIZE {
+            assert_eq!(groups(1 << ray), [ray / LANES], "{ray}");
+            assert_eq!(last_rays(1 << ray), 1 << (ray | 7), "{ray}");
+            let next = (ray + LANES) % SIZE;
+            let mut expected = [ray / LANES, next / LANES];
+            expected.sort_unstable();
+            assert_eq!(groups(1 << ray | 1 << next), expected, "{ray}");
+        }
+        assert_eq!(groups(0x8000_0000_7f00_0100), [1, 3, 7]);
     }
 }

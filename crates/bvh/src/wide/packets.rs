@@ -70,12 +70,12 @@ struct Octants {
 
 impl Octants {
     #[inline(always)]
-    fn new<S: Simd>(simd: S, rays: &[RayLanes]) -> Self {
+    fn new<'r, S: Simd>(simd: S, rays: impl Iterator<Item = &'r RayLanes>) -> Self {
         let mut octants = Self {
             members: 0,
             negative: [0; 3],
         };
-        for (group, rays) in rays.iter().enumerate() {
+        for (group, rays) in rays.enumerate() {
             let found = rays.octants(simd);
             octants.members |= u64::from(found.members) << (LANES * group);
             for (all, lanes) in octants.negative.iter_mut().zip(found.negative) {
@@ -120,7 +120,7 @@ mod tests {
 
         #[inline(always)]
         fn with_simd<S: Simd>(self, simd: S) -> Octants {
-            Octants::new(simd, self.0)
+            Octants::new(simd, self.0.iter())
         }
     }
 

@@ -13,7 +13,7 @@
 //! smallest step is `2^-126`: around what is smaller there are larger boxes. 255 steps of `2^120` are the longest way that is exact. Where children are farther apart boxes
 //! go from the first coordinate of all to infinity, which 255 steps of `2^122` are, fused or not. In scenes of such a size [`FusedRay`](tahko_geometry::FusedRay) culls nothing.
 
-use tahko_geometry::simd::{LANES, Lanes, Simd};
+use tahko_geometry::simd::{LANES, Simd};
 
 use super::node::Node;
 use super::{Child, WideNode};
@@ -66,17 +66,23 @@ impl Node for QuantisedNode {
     }
 
     /// Boxes end at the largest number where the planes are at infinity.
+    #[inline(always)]
+    fn child_plane(&self, axis: usize, side: u32, lane: usize) -> f32 {
+        let side = (side & 1) as usize;
+        let plane = self.grid(axis).plane(self.planes[axis][side][lane]);
+        // Where unused lanes begin may stay at infinity.
+        plane.min([f32::INFINITY, f32::MAX][side])
+    }
+
     #[inline]
     fn decoded(&self) -> WideNode {
-        let bounds = [0, 1, 2].map(|axis| {
-            let grid = self.grid(axis);
-            let [smallest, largest] = self.planes[axis];
-            let largest = largest.map(|steps| grid.plane(steps).min(f32::MAX));
-            [
-                Lanes(smallest.map(|steps| grid.plane(steps))),
-                Lanes(largest),
-            ]
-        });
+        let mut bounds = WideNode::EMPTY.bounds;
+        for (axis, [smallest, largest]) in bounds.iter_mut().enumerate() {
+            for lane in 0..LANES {
+                smallest.0[lane] = self.child_plane(axis, 0, lane);
+                largest.0[lane] = self.child_plane(axis, 1, lane);
+            }
+        }
         WideNode {
             bounds,
             children: self.children,

@@ -93,20 +93,6 @@ impl RayLanes {
         self.t_max.0[lane] = ray.t_max;
     }
 
-    /// The origin of a ray.
-    #[inline(always)]
-    pub(crate) fn origin(&self, lane: usize) -> [f32; 3] {
-        let [x, y, z] = &self.origin;
-        [x.0[lane], y.0[lane], z.0[lane]]
-    }
-
-    /// The direction of a ray.
-    #[inline(always)]
-    pub(crate) fn direction(&self, lane: usize) -> [f32; 3] {
-        let [x, y, z] = &self.direction;
-        [x.0[lane], y.0[lane], z.0[lane]]
-    }
-
     /// The origins of all, by axis.
     // No `map`: what is not inlined is compiled without the instructions of the level.
     #[inline(always)]

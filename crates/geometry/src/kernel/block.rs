@@ -4,19 +4,22 @@ use super::rays::RaysFilter;
 use crate::simd::{Lanes, Simd};
 use crate::{FusedRay, Ray, TriangleBlock};
 
-/// A ray prepared for testing blocks of triangles: a filter before the tests of single triangles.
+/// A ray that is prepared for testing blocks of triangles: a filter before the tests of single triangles.
 ///
 /// It depends on the block and the ray how much it throws out; what it lets through, and what it calls certain, is true of the
 /// kernel that it belongs to. So answers do not depend on the level, on blocks, or on what else is in them.
-pub trait BlockFilter: Copy {
+pub trait BlockTest {
+    /// What can be said of a block's triangles: `None` if the kernel accepts none of them with `t`, rounded, up to `t_max`.
+    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
+}
+
+/// A ray prepared alone for testing blocks of triangles.
+pub trait BlockFilter: BlockTest + Copy {
     /// The filter of the same kernels for eight rays and one triangle.
-    type Rays: RaysFilter<Block = Self>;
+    type Rays: RaysFilter;
 
     /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
     fn new(ray: &Ray, fused: &FusedRay) -> Self;
-
-    /// What can be said of a block's triangles: `None` if the kernel accepts none of them with `t`, rounded, up to `t_max`.
-    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
 }
 
 /// What is known of the triangles of a block that may be hit by a ray; or of the rays that may hit a triangle, a lane for each ray.

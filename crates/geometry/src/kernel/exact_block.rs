@@ -9,22 +9,21 @@
 //! **Rays that start on a surface** are so close to it that its triangle looks like a hit at a `t` around zero. Where such a triangle may be hit, it is seen first whether its
 //! [plane is behind](super::behind).
 
-use std::hint::black_box;
-
 use super::behind::behind;
-use super::block::{BlockFilter, BlockVerdict};
-use super::rays::{RaysAlongAxis, RaysFilter};
-use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Shear, Sight, T_ERROR, TINY_T, first_t};
+use super::block::{BlockFilter, BlockTest, BlockVerdict};
+use super::one_ray::{BeforeRay, RayAlongAxis, limits};
+use super::rays::{RayOfLane, RaysAlongAxis, RaysFilter};
+use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Sight, T_ERROR, TINY_T, first_t};
 use crate::simd::Simd;
 use crate::{Axis, FusedRay, Ray, RayLanes, TriangleBlock};
 
 /// More than underflow can take from a sum of weighted `t`, which is `2^-144`, and not a denormal number, with which some processors are slow.
 const TINY_SUM: f32 = f32::MIN_POSITIVE;
 
-/// A ray prepared for the filter of the exact kernels.
+/// A ray prepared for the filter of the exact kernels: it is sheared onto the axis of its largest direction component.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactBlockFilter {
-    /// What it is sheared onto: the axis of the largest direction component, but of rays that were prepared with others.
+    /// What it is sheared onto.
     z: Axis,
     // Arrays: an index into a vector would be a branch, and often mispredicted.
     origin: [f32; 3],
@@ -61,13 +60,15 @@ impl BlockFilter for ExactBlockFilter {
             decides: DIRECTIONS.contains(&along) && fused.farthest <= FARTHEST,
         }
     }
+}
 
+impl BlockTest for ExactBlockFilter {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        if !self.decides {
+        if !self.decides() {
             return BlockVerdict::undecided(block.used());
         }
-        verdict(simd, &self.before(simd, block), &self.limits(simd, t_max))
+        test_one(simd, self, block, t_max)
     }
 }
 
@@ -77,100 +78,71 @@ impl ExactBlockFilter {
     pub(super) const fn decides(&self) -> bool {
         self.decides
     }
-
-    /// That of a ray that was prepared with others.
-    #[inline(always)]
-    pub(super) fn of_lane(prepared: &RaysAlongAxis, rays: &RayLanes, lane: usize) -> Self {
-        Self {
-            z: prepared.axis,
-            origin: rays.origin(lane),
-            direction: rays.direction(lane),
-            minus_reciprocal: prepared.minus_reciprocal.0[lane],
-            along: prepared.along.0[lane],
-            t_min: rays.t_min.0[lane],
-            first_t: prepared.first_t.0[lane],
-            t_max: prepared.end.0[lane],
-            decides: true,
-        }
-    }
-
-    /// The interval of the ray.
-    #[inline(always)]
-    pub(super) fn limits<S: Simd>(&self, simd: S, t_max: f32) -> Limits<S> {
-        Limits {
-            is_ahead: self.t_min >= 0.0,
-            t_min: simd.splat(self.t_min),
-            first_t: simd.splat(self.first_t),
-            t_max: simd.splat(t_max),
-            end: simd.splat(self.t_max),
-        }
-    }
-
-    /// The size of what one divides by to get from a depth to a `t`, reciprocal.
-    #[inline(always)]
-    pub(super) const fn reciprocal(&self) -> f32 {
-        self.minus_reciprocal.abs()
-    }
-
-    /// The triangles of a block before the ray.
-    #[inline(always)]
-    pub(super) const fn before<'a, S: Simd>(
-        &'a self,
-        simd: S,
-        block: &'a TriangleBlock,
-    ) -> BeforeRay<'a, S> {
-        BeforeRay {
-            simd,
-            axes: self.z.around(),
-            ray: self,
-            block,
-        }
-    }
 }
 
-/// The triangles of a block before a ray.
-#[derive(Clone, Copy)]
-pub(super) struct BeforeRay<'a, S> {
-    simd: S,
-    axes: [Axis; 3],
-    ray: &'a ExactBlockFilter,
-    block: &'a TriangleBlock,
-}
-
-impl<S: Simd> Sight<S> for BeforeRay<'_, S> {
+impl RayAlongAxis for ExactBlockFilter {
     #[inline(always)]
     fn axes(&self) -> [Axis; 3] {
-        self.axes
+        self.z.around()
     }
 
     #[inline(always)]
-    fn shear(&self) -> Shear<S> {
-        let Self {
-            simd, axes, ray, ..
-        } = *self;
-        let [x, y, _] = axes;
-        Shear {
-            x: simd.splat(ray.direction[x as usize]),
-            y: simd.splat(ray.direction[y as usize]),
-            minus_reciprocal: simd.splat(ray.minus_reciprocal),
-            along: simd.splat(ray.along),
-        }
+    fn origin(&self, axis: Axis) -> f32 {
+        self.origin[axis as usize]
     }
 
     #[inline(always)]
-    fn to_origin(&self, vertex: usize, axis: Axis) -> S::F32s {
-        let origin = self.simd.splat(self.ray.origin[axis as usize]);
-        self.simd
-            .sub(origin, self.block.load(self.simd, vertex, axis))
+    fn direction(&self, axis: Axis) -> f32 {
+        self.direction[axis as usize]
     }
 
     #[inline(always)]
-    fn anew(self) -> Self {
-        Self {
-            block: black_box(self.block),
-            ..self
-        }
+    fn minus_reciprocal(&self) -> f32 {
+        self.minus_reciprocal
     }
+
+    #[inline(always)]
+    fn along(&self) -> f32 {
+        self.along
+    }
+
+    #[inline(always)]
+    fn t_min(&self) -> f32 {
+        self.t_min
+    }
+
+    #[inline(always)]
+    fn first_t(&self) -> f32 {
+        self.first_t
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.t_max
+    }
+}
+
+/// One of [eight rays](ExactRaysFilter).
+#[derive(Clone, Copy, Debug)]
+pub struct ExactFilterOfLane<'a>(RayOfLane<'a>);
+
+impl BlockTest for ExactFilterOfLane<'_> {
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
+        test_one(simd, &self.0, block, t_max)
+    }
+}
+
+/// What is said of a block and a ray for which the filter decides.
+#[inline(always)]
+fn test_one<S: Simd>(
+    simd: S,
+    ray: &impl RayAlongAxis,
+    block: &TriangleBlock,
+    t_max: f32,
+) -> Option<BlockVerdict> {
+    let sight = BeforeRay::new(simd, ray, block);
+    verdict(simd, &sight, &limits(simd, ray, t_max))
 }
 
 /// Eight rays prepared for the filter of the exact kernels.
@@ -178,7 +150,7 @@ impl<S: Simd> Sight<S> for BeforeRay<'_, S> {
 pub struct ExactRaysFilter(RaysAlongAxis);
 
 impl RaysFilter for ExactRaysFilter {
-    type Block = ExactBlockFilter;
+    type OneRay<'a> = ExactFilterOfLane<'a>;
 
     const EMPTY: Self = Self(RaysAlongAxis::EMPTY);
 
@@ -200,8 +172,8 @@ impl RaysFilter for ExactRaysFilter {
     }
 
     #[inline(always)]
-    fn of_lane(&self, rays: &RayLanes, lane: usize) -> ExactBlockFilter {
-        ExactBlockFilter::of_lane(&self.0, rays, lane)
+    fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> ExactFilterOfLane<'a> {
+        ExactFilterOfLane(self.0.of_lane(rays, lane))
     }
 }
 

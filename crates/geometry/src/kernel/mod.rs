@@ -25,19 +25,20 @@ mod exact;
 mod exact_block;
 mod lanes;
 mod moller_trumbore;
+mod one_ray;
 mod rays;
 mod reach_block;
 mod sheared;
 mod terms;
 mod woop;
 
-pub use block::{BlockFilter, BlockVerdict};
+pub use block::{BlockFilter, BlockTest, BlockVerdict};
 pub use exact::{Exact, ExactCrossing, Ladder};
-pub use exact_block::{ExactBlockFilter, ExactRaysFilter};
+pub use exact_block::{ExactBlockFilter, ExactFilterOfLane, ExactRaysFilter};
 pub use lanes::{HitLanes, VertexLanes};
 pub use moller_trumbore::MollerTrumbore;
 pub use rays::RaysFilter;
-pub use reach_block::{ReachBlockFilter, ReachRaysFilter};
+pub use reach_block::{ReachBlockFilter, ReachFilterOfLane, ReachRaysFilter};
 pub(crate) use terms::WEIGHT_ERROR;
 pub use woop::Woop;
 

@@ -4,15 +4,18 @@
 
 use std::hint::black_box;
 
-use super::block::{BlockFilter, BlockVerdict};
+use super::block::{BlockTest, BlockVerdict};
+use super::one_ray::RayAlongAxis;
 use super::sheared::{DIRECTIONS, FARTHEST, Limits, Shear, Sight, T_ERROR, TINY_T};
 use crate::simd::{Lanes, Simd};
 use crate::{Axis, RayLanes, TriangleBlock};
 
-/// Eight rays prepared for testing single triangles, with the same promise as a [`BlockFilter`]: it depends on rays and triangles how much is thrown out, but answers do not.
+/// Eight rays prepared for testing single triangles, with the same promise as a [`BlockTest`]: it depends on rays and triangles how much is thrown out, but answers do not.
 pub trait RaysFilter: Copy {
-    /// The filter of the same kernels for one ray and eight triangles.
-    type Block: BlockFilter;
+    /// One of the rays, for eight triangles.
+    type OneRay<'a>: BlockTest + Copy
+    where
+        Self: 'a;
 
     /// Room for one.
     const EMPTY: Self;
@@ -30,28 +33,28 @@ pub trait RaysFilter: Copy {
         triangle: usize,
     ) -> Option<BlockVerdict>;
 
-    /// The filter of one of the rays alone.
-    fn of_lane(&self, rays: &RayLanes, lane: usize) -> Self::Block;
+    /// One of the rays alone.
+    fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> Self::OneRay<'a>;
 }
 
 /// What filters know of eight rays beside the rays.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct RaysAlongAxis {
-    /// What they are sheared onto.
-    pub(super) axis: Axis,
+    /// In cyclic order; they are sheared onto the last one.
+    axes: [Axis; 3],
     /// Minus the reciprocals of the direction components along it.
     pub(super) minus_reciprocal: Lanes,
     /// The sizes of the largest direction components, and some roundings.
-    pub(super) along: Lanes,
+    along: Lanes,
     /// What a computed `t` may be for an exact one from `t_min` on.
-    pub(super) first_t: Lanes,
+    first_t: Lanes,
     /// The end of the interval: the `t_max` of [`RayLanes`] shrinks with what is found.
-    pub(super) end: Lanes,
+    end: Lanes,
 }
 
 impl RaysAlongAxis {
     pub(super) const EMPTY: Self = Self {
-        axis: Axis::X,
+        axes: Axis::X.around(),
         minus_reciprocal: Lanes::splat(1.0),
         along: Lanes::splat(1.0),
         first_t: Lanes::splat(0.0),
@@ -83,7 +86,7 @@ impl RaysAlongAxis {
             simd.splat(TINY_T),
         );
         *self = Self {
-            axis,
+            axes: axis.around(),
             minus_reciprocal: simd.store(simd.div(simd.splat(-1.0), component)),
             along: simd.store(simd.mul(largest, simd.splat(1.0 + T_ERROR))),
             first_t: simd.store(simd.sub(t_min, margin)),
@@ -113,11 +116,20 @@ impl RaysAlongAxis {
     ) -> BeforeRays<'a, S> {
         BeforeRays {
             simd,
-            axes: self.axis.around(),
             prepared: self,
             rays,
             block,
             triangle,
+        }
+    }
+
+    /// One of the rays.
+    #[inline(always)]
+    pub(super) const fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> RayOfLane<'a> {
+        RayOfLane {
+            prepared: self,
+            rays,
+            lane,
         }
     }
 
@@ -134,11 +146,60 @@ impl RaysAlongAxis {
     }
 }
 
+/// One of eight rays.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct RayOfLane<'a> {
+    prepared: &'a RaysAlongAxis,
+    rays: &'a RayLanes,
+    lane: usize,
+}
+
+impl RayAlongAxis for RayOfLane<'_> {
+    #[inline(always)]
+    fn axes(&self) -> [Axis; 3] {
+        self.prepared.axes
+    }
+
+    #[inline(always)]
+    fn origin(&self, axis: Axis) -> f32 {
+        self.rays.origin[axis as usize].0[self.lane]
+    }
+
+    #[inline(always)]
+    fn direction(&self, axis: Axis) -> f32 {
+        self.rays.direction[axis as usize].0[self.lane]
+    }
+
+    #[inline(always)]
+    fn minus_reciprocal(&self) -> f32 {
+        self.prepared.minus_reciprocal.0[self.lane]
+    }
+
+    #[inline(always)]
+    fn along(&self) -> f32 {
+        self.prepared.along.0[self.lane]
+    }
+
+    #[inline(always)]
+    fn t_min(&self) -> f32 {
+        self.rays.t_min.0[self.lane]
+    }
+
+    #[inline(always)]
+    fn first_t(&self) -> f32 {
+        self.prepared.first_t.0[self.lane]
+    }
+
+    #[inline(always)]
+    fn t_max(&self) -> f32 {
+        self.prepared.end.0[self.lane]
+    }
+}
+
 /// A triangle of a block before eight rays.
 #[derive(Clone, Copy)]
 pub(super) struct BeforeRays<'a, S> {
     simd: S,
-    axes: [Axis; 3],
     prepared: &'a RaysAlongAxis,
     rays: &'a RayLanes,
     block: &'a TriangleBlock,
@@ -148,12 +209,12 @@ pub(super) struct BeforeRays<'a, S> {
 impl<S: Simd> Sight<S> for BeforeRays<'_, S> {
     #[inline(always)]
     fn axes(&self) -> [Axis; 3] {
-        self.axes
+        self.prepared.axes
     }
 
     #[inline(always)]
     fn shear(&self) -> Shear<S> {
-        let [x, y, _] = self.axes;
+        let [x, y, _] = self.prepared.axes;
         Shear {
             x: self.simd.load(&self.rays.direction[x as usize]),
             y: self.simd.load(&self.rays.direction[y as usize]),

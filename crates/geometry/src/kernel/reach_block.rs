@@ -10,10 +10,11 @@
 //!
 //! What the filter lets through is tested by the kernel itself: its own decisions do not change.
 
-use super::block::{BlockFilter, BlockVerdict};
+use super::block::{BlockFilter, BlockTest, BlockVerdict};
 use super::confirm;
 use super::exact_block::ExactBlockFilter;
-use super::rays::{RaysAlongAxis, RaysFilter};
+use super::one_ray::{BeforeRay, RayAlongAxis, limits};
+use super::rays::{RayOfLane, RaysAlongAxis, RaysFilter};
 use super::sheared::{Limits, Seen};
 use crate::simd::Simd;
 use crate::{Axis, FusedRay, Ray, RayLanes, TriangleBlock};
@@ -38,18 +39,42 @@ impl BlockFilter for ReachBlockFilter {
     fn new(ray: &Ray, fused: &FusedRay) -> Self {
         Self(ExactBlockFilter::new(ray, fused))
     }
+}
 
+impl BlockTest for ReachBlockFilter {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        let Self(filter) = self;
-        if !filter.decides() {
+        let Self(ray) = self;
+        if !ray.decides() {
             return BlockVerdict::undecided(block.used());
         }
-        let reciprocal = simd.splat(filter.reciprocal());
-        let limits = filter.limits(simd, t_max);
-        let seen = Seen::new(simd, &filter.before(simd, block));
-        BlockVerdict::undecided(possible(simd, &seen, reciprocal, &limits))
+        test_one(simd, ray, block, t_max)
     }
+}
+
+/// One of [eight rays](ReachRaysFilter).
+#[derive(Clone, Copy, Debug)]
+pub struct ReachFilterOfLane<'a>(RayOfLane<'a>);
+
+impl BlockTest for ReachFilterOfLane<'_> {
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
+        test_one(simd, &self.0, block, t_max)
+    }
+}
+
+/// What is said of a block and a ray for which the filter decides.
+#[inline(always)]
+fn test_one<S: Simd>(
+    simd: S,
+    ray: &impl RayAlongAxis,
+    block: &TriangleBlock,
+    t_max: f32,
+) -> Option<BlockVerdict> {
+    let reciprocal = simd.splat(ray.minus_reciprocal().abs());
+    let limits = limits(simd, ray, t_max);
+    let seen = Seen::new(simd, &BeforeRay::new(simd, ray, block));
+    BlockVerdict::undecided(possible(simd, &seen, reciprocal, &limits))
 }
 
 /// Eight rays prepared for the filter of the kernels with a reach.
@@ -57,7 +82,7 @@ impl BlockFilter for ReachBlockFilter {
 pub struct ReachRaysFilter(RaysAlongAxis);
 
 impl RaysFilter for ReachRaysFilter {
-    type Block = ReachBlockFilter;
+    type OneRay<'a> = ReachFilterOfLane<'a>;
 
     const EMPTY: Self = Self(RaysAlongAxis::EMPTY);
 
@@ -82,8 +107,8 @@ impl RaysFilter for ReachRaysFilter {
     }
 
     #[inline(always)]
-    fn of_lane(&self, rays: &RayLanes, lane: usize) -> ReachBlockFilter {
-        ReachBlockFilter(ExactBlockFilter::of_lane(&self.0, rays, lane))
+    fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> ReachFilterOfLane<'a> {
+        ReachFilterOfLane(self.0.of_lane(rays, lane))
     }
 }
 

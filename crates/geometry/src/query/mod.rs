@@ -14,7 +14,7 @@ pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 pub use packet::{RaySearch, RaysFilterOf, test_rays};
 
-use crate::kernel::{BlockFilter, Exact, ExactCrossing, MollerTrumbore, Woop};
+use crate::kernel::{BlockTest, Exact, ExactCrossing, MollerTrumbore, Woop};
 use crate::predicate::Rung;
 use crate::simd::{Simd, lanes_of};
 use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleHit, TriangleKernel};
@@ -308,11 +308,11 @@ fn offer<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
 
 /// Tests a block of triangles and offers the hits to the collector: the inner step of vector traversals.
 ///
-/// The filter was made for the ray. The kernel is made here, if the filter lets anything through: most blocks do without.
+/// The filter is one of the kernel, and of the ray. The kernel is made here, if the filter lets anything through: most blocks do without.
 #[inline(always)]
 pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     simd: S,
-    (ray, filter): (&Ray, &K::Block),
+    (ray, filter): (&Ray, &impl BlockTest),
     block: &TriangleBlock,
     collector: &mut H,
     counter: &mut C,

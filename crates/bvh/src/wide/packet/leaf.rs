@@ -10,7 +10,7 @@ use tahko_geometry::{
     test_rays,
 };
 
-use super::{GROUPS, Packet};
+use super::{Group, Packet, groups_with, last_rays};
 use crate::wide::access::View;
 use crate::wide::leaf::Leaf;
 use crate::wide::node::Node;
@@ -34,7 +34,7 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOfAll<'_, '_, K, H> {
         let Self(packet, blocks, rays) = self;
         let mut left = rays;
         for block in blocks {
-            let tests_of_all = block.used().count_ones() * groups_of(left);
+            let tests_of_all = block.used().count_ones() * last_rays(left).count_ones();
             let [cost_of_rays, cost] = COST_OF_RAYS;
             let done = if tests_of_all * cost_of_rays < left.count_ones() * cost {
                 packet.test_together(simd, block, left)
@@ -50,27 +50,17 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOfAll<'_, '_, K, H> {
     }
 }
 
-/// How many groups have rays.
-#[inline(always)]
-fn groups_of(rays: u64) -> u32 {
-    const BELOW_HIGHEST: u64 = u64::from_ne_bytes([0x7f; GROUPS]);
-    // The highest bit of each byte: whether the byte is not zero.
-    let in_groups = ((rays & BELOW_HIGHEST) + BELOW_HIGHEST) | rays;
-    (in_groups & !BELOW_HIGHEST).count_ones()
-}
-
 impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
     /// Tests the triangles of a block one by one with eight rays at a time; the filters decide.
     #[inline(always)]
     fn test_together<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
         let mut left = rays;
         for triangle in bits_of(u64::from(block.used())) {
-            for (group, searches) in self.searches.chunks_mut(LANES).enumerate() {
+            for group in groups_with(left) {
                 let lanes = (left >> (LANES * group) & 0xff) as u32;
-                if lanes == 0 {
-                    continue;
-                }
-                let prepared = (&mut self.rays[group], &self.filters[group]);
+                let searches = &mut self.searches[LANES * group..];
+                let Group { rays, filter, .. } = &mut self.groups[group];
+                let prepared = (rays, &*filter);
                 let place = (block, triangle % LANES);
                 let done = test_rays::<S, K, H>(simd, prepared, place, searches, lanes);
                 left &= !(u64::from(done) << (LANES * group));
@@ -85,7 +75,8 @@ impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
         let mut done = 0;
         for place in bits_of(rays) {
             let (group, lane) = (place / LANES, place % LANES);
-            let filter = self.filters[group].of_lane(&self.rays[group], lane);
+            let Group { rays, filter, .. } = &self.groups[group];
+            let filter = filter.of_lane(rays, lane);
             let search = &mut self.searches[place];
             let kernels = (search.ray, &filter);
             let step =
@@ -119,26 +110,5 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for LeafOf<'_, '_, K,
             counter: &mut (),
         };
         leaf.with_simd(simd)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::wide::packet::SIZE;
-
-    #[test]
-    fn groups_are_counted_that_have_any_ray() {
-        assert_eq!(groups_of(0), 0);
-        assert_eq!(groups_of(u64::MAX), 8);
-        for ray in 0..SIZE {
-            assert_eq!(groups_of(1 << ray), 1, "{ray}");
-            assert_eq!(
-                groups_of(1 << ray | 1 << ((ray + LANES) % SIZE)),
-                2,
-                "{ray}"
-            );
-        }
-        assert_eq!(groups_of(0x8000_0000_7f00_0100), 3);
     }
 }

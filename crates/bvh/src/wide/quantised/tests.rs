@@ -1,7 +1,7 @@
 use proptest::prelude::*;
 use tahko_geometry::Aabb;
 use tahko_geometry::glam::Vec3;
-use tahko_geometry::simd::{SimdLevel, WithSimd};
+use tahko_geometry::simd::{Lanes, SimdLevel, WithSimd};
 
 use super::*;
 

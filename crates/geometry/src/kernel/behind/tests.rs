@@ -8,6 +8,7 @@ use proptest::test_runner::TestRunner;
 
 use super::*;
 use crate::kernel::exact_block::tests::{assert_true_of_kernels, levels, scaled, scene, verdict};
+use crate::kernel::one_ray::BeforeRay;
 use crate::kernel::{BlockFilter, ExactBlockFilter};
 use crate::oracle::Oracle;
 use crate::predicate::compare_t;
@@ -27,7 +28,7 @@ impl WithSimd for Behind<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> u32 {
         let Self(filter, block) = self;
-        let sight = filter.before(simd, block);
+        let sight = BeforeRay::new(simd, &filter, block);
         behind(simd, &Seen::new(simd, &sight), &sight)
     }
 }

@@ -6,7 +6,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::kernel::behind::tests::at_surface;
 use crate::kernel::exact_block::tests::{check_lane, levels, scene};
-use crate::kernel::{ExactBlockFilter, MollerTrumbore, ReachBlockFilter, Woop};
+use crate::kernel::{BlockFilter, ExactBlockFilter, MollerTrumbore, ReachBlockFilter, Woop};
 use crate::simd::{LANES, WithSimd};
 use crate::test_support::point;
 use crate::{Aabb, Ray, Triangle, TriangleKernel, size_of_bounds};
