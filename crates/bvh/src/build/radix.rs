@@ -38,19 +38,33 @@ fn digit(key: u64, shift: u32) -> usize {
     (key >> shift & (DIGITS as u64 - 1)) as usize
 }
 
+/// A value for each digit, in an array: its length is known where it is read.
+fn by_digit<T>(value: impl FnMut(usize) -> T) -> Box<[T; DIGITS]> {
+    let values: Box<[T]> = (0..DIGITS).map(value).collect();
+    match values.try_into() {
+        Ok(values) => values,
+        Err(_) => unreachable!("as many as there are digits"),
+    }
+}
+
 /// Moves keys in the order of one digit; `false` if nothing needed to be moved because all have the same.
 fn pass(keys: &[u64], sorted: &mut [u64], shift: u32) -> bool {
     let parts = task_count().min(keys.len() / PART).max(1);
     let parts: Vec<&[u64]> = keys.chunks(keys.len().div_ceil(parts)).collect();
     let counts = map(&parts, |part| {
-        let mut counts = vec![0usize; DIGITS];
+        let mut counts = by_digit(|_| 0u32);
         for key in *part {
             counts[digit(*key, shift)] += 1;
         }
         counts
     });
     let all_same = digit(keys[0], shift);
-    if counts.iter().map(|counts| counts[all_same]).sum::<usize>() == keys.len() {
+    if counts
+        .iter()
+        .map(|counts| counts[all_same] as usize)
+        .sum::<usize>()
+        == keys.len()
+    {
         return false;
     }
     // Stable: the keys of a digit stand in the order of the parts that they come from.
@@ -58,9 +72,13 @@ fn pass(keys: &[u64], sorted: &mut [u64], shift: u32) -> bool {
     let mut rest = sorted;
     for digit in 0..DIGITS {
         for (targets, counts) in targets.iter_mut().zip(&counts) {
-            targets.push(take(&mut rest, counts[digit]).iter_mut());
+            targets.push(take(&mut rest, counts[digit] as usize).iter_mut());
         }
     }
+    let targets = targets.into_iter().map(|targets| {
+        let mut targets = targets.into_iter();
+        by_digit(|_| targets.next().expect("one for each digit"))
+    });
     for_each(
         parts.into_iter().zip(targets).collect(),
         |(part, mut targets)| {
