@@ -78,9 +78,8 @@ impl BvhOptions {
         let number_bytes = references * size::<TriangleNumber>();
         let node_bytes = nodes * size::<BuildNode>();
         let build = match self.method {
-            // The nodes stand in blocks before they stand in one list; the numbers in two orders, and up to 128 bytes for each cluster of
-            // about sixteen triangles.
-            BuildMethod::Clusters => 2 * node_bytes + 2 * number_bytes + 8 * pieces,
+            // The nodes stand in blocks before they stand in one list, and up to 128 bytes for each cluster of about sixteen triangles.
+            BuildMethod::Clusters => 2 * node_bytes + number_bytes + 8 * pieces,
             BuildMethod::TopDown if has_parts => {
                 node_bytes + references * size::<Reference>() + number_bytes
             }

@@ -9,6 +9,7 @@ mod bins;
 mod clusters;
 mod join;
 mod memory;
+mod merging;
 mod morton;
 mod node;
 mod outsized;
@@ -35,7 +36,7 @@ pub(crate) use self::node::Link;
 /// The most nodes on a way from the root to a leaf. The stack of a traversal has room for what waits along such a way.
 pub(crate) const MAX_DEPTH: usize = 64;
 
-/// The most references in a leaf of a build, if the options do not say fewer.
+/// The most references in a leaf of a build from the top, if the options do not say fewer.
 ///
 /// Queries test eight triangles at a time, so little is saved below leaves of this size, and the layout joins leaves
 /// where that is cheaper. So a build from the top does not look further, if it is not one that takes its time (with a sweep) and if a node
@@ -53,6 +54,8 @@ pub(crate) struct BinaryTree {
     nodes: Vec<BuildNode>,
     /// There may be some that no leaf lists.
     pub(crate) references: Vec<TriangleNumber>,
+    /// Whether the references are in an order to keep, each triangle once.
+    pub(crate) is_ordered: bool,
     /// References that the build began with: triangles, or pieces of them.
     pub(crate) pieces: usize,
 }
@@ -95,7 +98,8 @@ impl BinaryTree {
                 control.check()?;
                 work(3).done(mesh.len());
                 stopwatch.end(BuildPhase::References);
-                clusters::build(mesh, &numbers, scale, options, control)?
+                let nodes = clusters::build(mesh, &numbers, scale, options, control)?;
+                (nodes, numbers)
             }
             BuildMethod::TopDown => {
                 let room = options.most_references(mesh.len(), mesh.len());
@@ -123,6 +127,7 @@ impl BinaryTree {
         let mut tree = Self {
             nodes,
             references,
+            is_ordered: matches!(options.method, BuildMethod::Clusters),
             pieces,
         };
         if options.reinsertion_rounds > 0 {

@@ -151,9 +151,14 @@ impl Bounds {
         }
     }
 
-    /// A reference to what the box is around, under a number.
-    pub(super) fn to_reference(self, number: usize) -> Reference {
-        Reference::of_box(&self.to_aabb(), number)
+    /// The box of three points.
+    #[inline(always)]
+    pub(super) fn of_points(points: [Vec3; 3]) -> Self {
+        let [a, b, c] = points.map(|point| point.extend(0.0));
+        Self {
+            lower: a.min(b).min(c),
+            upper: a.max(b).max(c),
+        }
     }
 
     #[inline(always)]
@@ -207,8 +212,13 @@ impl CentroidScale {
     /// the build and decides nothing else.
     #[inline(always)]
     pub(super) fn centroid(self, reference: &Reference) -> Vec4 {
-        let Bounds { lower, upper } = reference.bounds();
-        lower * self.0 + upper * self.0
+        self.middle_of(&reference.bounds())
+    }
+
+    /// The same for a box.
+    #[inline(always)]
+    pub(super) fn middle_of(self, bounds: &Bounds) -> Vec4 {
+        bounds.lower * self.0 + bounds.upper * self.0
     }
 
     /// Edge lengths of a box in scaled units; the fourth lane means nothing.

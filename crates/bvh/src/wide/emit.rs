@@ -3,11 +3,12 @@
 //! First the nodes and blocks of all subtrees are counted. Then the lists are made as long as they get, and each large subtree is a task that has
 //! a part of its own of both, which it fills from the end on: so a node knows where its children are.
 
-use std::ops::Range;
+mod waiting;
 
 use tahko_geometry::simd::LANES;
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh, size_of_bounds};
 
+use self::waiting::Waiting;
 use super::choice::Choice;
 use super::collapse::{Collapse, Root};
 use super::{CACHED, Child, Nodes, WideBvh, WideNode};
@@ -88,18 +89,6 @@ struct Parts<'a> {
     waiting: Waiting,
 }
 
-/// Blocks that are still to be written, in the order in which they are. Many in a row keep more loads of triangles under way than one at a
-/// time between nodes.
-#[derive(Default)]
-struct Waiting {
-    /// For each block, its triangles in `numbers`, and whether it is followed by another of its leaf.
-    blocks: Vec<(Range<usize>, bool)>,
-    numbers: Vec<u32>,
-}
-
-/// Blocks that wait at most, before a leaf is added: what belongs to them stays in the cache.
-const WAITING: usize = 256;
-
 impl<'a> Parts<'a> {
     fn new(nodes: Part<'a, WideNode>, blocks: Part<'a, TriangleBlock>) -> Self {
         Self {
@@ -111,7 +100,7 @@ impl<'a> Parts<'a> {
 
     /// Cuts off the last places that are not yet written. No blocks wait.
     fn split_last(&mut self, extent: Extent) -> Self {
-        debug_assert!(self.waiting.blocks.is_empty(), "they stand behind it");
+        debug_assert!(self.waiting.len() == 0, "they stand behind it");
         Self::new(
             self.nodes.split_last(extent.nodes),
             self.blocks.split_last(extent.blocks),
@@ -120,17 +109,7 @@ impl<'a> Parts<'a> {
 
     /// Writes the blocks that wait.
     fn write_waiting(&mut self, mesh: &TriangleMesh) {
-        let Waiting { blocks, numbers } = &mut self.waiting;
-        for (range, continues) in blocks.drain(..) {
-            let block = self.blocks.push_last(TriangleBlock::EMPTY);
-            for (lane, number) in numbers[range].iter().enumerate() {
-                block.set(lane, *number, &mesh.triangle(*number as usize));
-            }
-            if continues {
-                block.set_continued();
-            }
-        }
-        numbers.clear();
+        self.waiting.write(&mut self.blocks, mesh);
     }
 }
 
@@ -276,29 +255,20 @@ impl Emitter<'_> {
 
     /// Adds the blocks of all triangles below a binary node.
     fn add_leaf(&self, index: usize, parts: &mut Parts<'_>) -> Child {
-        if parts.waiting.blocks.len() >= WAITING {
+        if parts.waiting.is_full() {
             parts.write_waiting(self.mesh);
         }
-        let Waiting { blocks, numbers } = &mut parts.waiting;
-        let mut end = numbers.len();
-        let first = end;
-        self.list(index, numbers);
-        while end < numbers.len() {
-            let start = end;
-            end = numbers.len().min(start + LANES);
-            blocks.push((start..end, end < numbers.len()));
-        }
-        // The last block of the leaf is written first.
-        let count = (end - first).div_ceil(LANES);
-        let in_order = blocks.len() - count;
-        blocks[in_order..].reverse();
-        Child::leaf(parts.blocks.end() - blocks.len())
+        parts.waiting.add_leaf(|numbers| self.list(index, numbers));
+        Child::leaf(parts.blocks.end() - parts.waiting.len())
     }
 
-    /// Appends the triangles below a binary node to a list, in ascending order.
+    /// Appends the triangles below a binary node to a list: in the order of the tree if that lists each once, else in ascending order.
     fn list(&self, index: usize, numbers: &mut Vec<u32>) {
         let first = numbers.len();
         self.gather(index, numbers);
+        if self.tree.is_ordered {
+            return;
+        }
         numbers[first..].sort_unstable();
         // Spatial splits may have listed a triangle in several of the leaves that are now one.
         let mut end = first;

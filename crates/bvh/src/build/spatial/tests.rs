@@ -29,6 +29,7 @@ fn build_eagerly(mesh: &TriangleMesh, budget: f64) -> BinaryTree {
     BinaryTree {
         nodes,
         references,
+        is_ordered: false,
         pieces: mesh.len(),
     }
 }
