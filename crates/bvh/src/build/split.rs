@@ -146,6 +146,30 @@ impl WithSimd for Partition<'_> {
     }
 }
 
+/// The most references that [`of_few`] cuts.
+pub(super) const FEW: usize = 3;
+
+/// The cheapest of all ways to cut two or three references in two.
+pub(super) fn of_few(references: &mut [Reference], scale: CentroidScale) -> Cut {
+    let last = references.len() - 1;
+    if references.len() == FEW {
+        let boxes = [0, 1, 2].map(|place| references[place].bounds());
+        let cost = |single: usize| {
+            let [a, b] = [(single + 1) % FEW, (single + 2) % FEW];
+            let pair = boxes[a].union(boxes[b]);
+            2.0 * scale.half_area(&pair) + scale.half_area(&boxes[single])
+        };
+        let [first, second, third] = [cost(0), cost(1), cost(2)];
+        let single = if third <= first && third <= second {
+            2
+        } else {
+            usize::from(second < first)
+        };
+        references.swap(single, last);
+    }
+    Cut::At(last)
+}
+
 /// Cuts in the middle of the order along an axis: works on any references, whatever their centroids, and
 /// halves their number. Cost: O(n).
 pub(super) fn median(references: &mut [Reference], axis: usize, scale: CentroidScale) -> Cut {
@@ -159,4 +183,51 @@ pub(super) fn compare(a: &Reference, b: &Reference, axis: usize, scale: Centroid
     let [at_a, at_b] = [a, b].map(|reference| scale.centroid(reference)[axis]);
     at_a.total_cmp(&at_b)
         .then_with(|| a.number().cmp(&b.number()))
+}
+
+#[cfg(test)]
+mod tests {
+    use tahko_geometry::Aabb;
+    use tahko_geometry::glam::Vec3;
+
+    use super::*;
+
+    #[test]
+    fn few_references_are_cut_at_the_least_cost() {
+        let size = |index: u32| 1.0 + (index * 7 % 5) as f32;
+        let reference = |number: usize, index: u32| {
+            let corner = Vec3::new((index * 5 % 11) as f32, (index * 3 % 7) as f32, 0.0);
+            Reference::of_box(&Aabb::new(corner, corner + size(index)), number)
+        };
+        let all = Aabb::new(Vec3::ZERO, Vec3::splat(20.0));
+        let scale = CentroidScale::new(&all);
+        let area = |references: &[Reference]| {
+            let bounds = Bounds::of(references);
+            references.len() as f64 * bounds.half_area()
+        };
+        for index in 0..100u32 {
+            for count in [2, FEW] {
+                let references = (0..count).map(|number| {
+                    let index = index + 13 * u32::try_from(number).expect("few");
+                    reference(number, index)
+                });
+                let references: Vec<Reference> = references.collect();
+                let least = (0..count)
+                    .map(|single| {
+                        let mut others = references.clone();
+                        let single = others.remove(single);
+                        area(&others) + area(&[single])
+                    })
+                    .fold(f64::INFINITY, f64::min);
+                let mut cut = references.clone();
+                let parts = of_few(&mut cut, scale).apply(&mut cut, scale, AvailableSimd::best());
+                let (first, second) = cut.split_at(parts.middle);
+                let found = area(first) + area(second);
+                assert!((found - least).abs() <= 1e-5 * least, "{found}, {least}");
+                let mut numbers: Vec<u32> = cut.iter().map(Reference::number).collect();
+                numbers.sort_unstable();
+                assert!((0u32..).take(count).eq(numbers), "each once");
+            }
+        }
+    }
 }

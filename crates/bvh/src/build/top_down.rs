@@ -202,6 +202,10 @@ impl<'a> Builder<'a> {
         if may_be_leaf && self.options.sweep_size == 0 && traversal_cost >= intersection_cost {
             return None;
         }
+        if self.max_leaf_size == 1 && references.len() <= split::FEW && references.len() > 1 {
+            let cut = split::of_few(references, self.scale);
+            return Some(cut.apply(references, self.scale, self.simd));
+        }
         let cut = match self.candidate(references, extent, depth) {
             Some(candidate) if may_be_leaf && !self.pays(&candidate, references.len(), extent) => {
                 return None;
