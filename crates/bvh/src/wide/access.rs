@@ -96,6 +96,14 @@ impl<'a, N: Node> View<'a, N> {
         unsafe { self.blocks.get_unchecked(index..) }
     }
 
+    /// A block of a leaf.
+    #[inline(always)]
+    pub(super) fn block(self, index: usize) -> &'a TriangleBlock {
+        debug_assert!(index < self.blocks.len(), "leaf out of range");
+        // SAFETY: as above; a block that is continued is followed by another one.
+        unsafe { self.blocks.get_unchecked(index) }
+    }
+
     /// Asks for the memory of a child that is soon needed.
     #[inline(always)]
     pub(super) fn prefetch<S: Simd>(self, simd: S, child: Child) {

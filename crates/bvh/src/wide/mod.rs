@@ -16,6 +16,7 @@ mod quantised;
 mod slabs;
 mod stack;
 mod traverse;
+mod turns;
 
 use tahko_geometry::{Aabb, TriangleBlock, TriangleMesh};
 

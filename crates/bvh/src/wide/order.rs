@@ -8,13 +8,13 @@ use super::access::View;
 use super::node::Node;
 use super::stack::{Entry, Stack};
 
-/// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first.
+/// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first. Where it enters them is asked for if there are several.
 #[inline(always)]
 pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node>(
     bvh: View<'_, N>,
     simd: S,
     node: &N,
-    start: S::F32s,
+    starts: impl FnOnce() -> [f32; LANES],
     hits: u32,
     stack: &mut Stack<'_>,
 ) -> Child {
@@ -29,7 +29,7 @@ pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node>(
         stack.push_all(rest, children);
         return children[first];
     }
-    let starts = simd.store(start).0;
+    let starts = starts();
     let entry = |lane: usize| Entry::new(children[lane], starts[lane]);
     let a = entry(first);
     let b = entry(lane(rest));

@@ -69,6 +69,13 @@ impl<'a> Stack<'a> {
         self.len += 1;
     }
 
+    /// Pushes an entry or not, without a branch.
+    #[inline(always)]
+    pub(super) fn push_if(&mut self, condition: bool, entry: Entry) {
+        self.room[self.len % CAPACITY].write(entry.0);
+        self.len += usize::from(condition);
+    }
+
     #[inline(always)]
     pub(super) fn pop(&mut self) -> Option<Entry> {
         if self.len == 0 {
@@ -193,6 +200,18 @@ mod tests {
         stack.push(b);
         assert_eq!(popped(&mut stack), [b, c, a]);
         assert!(stack.pop().is_none(), "empty again");
+    }
+
+    #[test]
+    fn what_is_pushed_under_a_condition_is_there_if_it_holds() {
+        let mut room = Stack::room();
+        let mut stack = Stack::new(&mut room);
+        let [a, b, c] =
+            [0.0, 1.0, f32::NEG_INFINITY].map(|start| Entry::new(Child::leaf(3), start));
+        stack.push_if(true, a);
+        stack.push_if(false, b);
+        stack.push_if(true, c);
+        assert_eq!(popped(&mut stack), [c, a]);
     }
 
     #[test]

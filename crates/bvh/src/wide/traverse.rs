@@ -188,7 +188,12 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> Way<'_, K
                     stack.pop_before::<H>(t_max)
                 } else {
                     Some(nearest_child::<S, H, N>(
-                        bvh, simd, node, start, hits, &mut stack,
+                        bvh,
+                        simd,
+                        node,
+                        || simd.store(start).0,
+                        hits,
+                        &mut stack,
                     ))
                 };
                 match nearest {

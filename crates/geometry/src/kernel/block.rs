@@ -20,6 +20,19 @@ pub trait BlockFilter: BlockTest + Copy {
 
     /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
     fn new(ray: &Ray, fused: &FusedRay) -> Self;
+
+    /// A bit for each lane whose triangle the kernel may accept with `t`, rounded, up to `t_max`; it accepts none of the others. There is no branch on what is found: for callers who
+    /// have other work until it is known.
+    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32;
+
+    /// What [`test`](Self::test) says of some lanes that [are left](Self::possible).
+    fn judge<S: Simd>(
+        &self,
+        simd: S,
+        block: &TriangleBlock,
+        t_max: f32,
+        possible: u32,
+    ) -> Option<BlockVerdict>;
 }
 
 /// What is known of the triangles of a block that may be hit by a ray; or of the rays that may hit a triangle, a lane for each ray.

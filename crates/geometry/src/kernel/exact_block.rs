@@ -60,6 +60,36 @@ impl BlockFilter for ExactBlockFilter {
             decides: DIRECTIONS.contains(&along) && fused.farthest <= FARTHEST,
         }
     }
+
+    #[inline(always)]
+    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
+        if !self.decides {
+            return block.used();
+        }
+        let sight = BeforeRay::new(simd, self, block);
+        let limits = limits(simd, self, t_max);
+        let seen = Seen::new(simd, &sight);
+        let possible = possible(simd, &seen, &limits);
+        if !limits.is_ahead {
+            return possible;
+        }
+        possible & !behind(simd, &seen, &sight)
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(
+        &self,
+        simd: S,
+        block: &TriangleBlock,
+        t_max: f32,
+        possible: u32,
+    ) -> Option<BlockVerdict> {
+        if !self.decides {
+            return BlockVerdict::undecided(possible);
+        }
+        let seen = Seen::new(simd, &BeforeRay::new(simd, self, block));
+        decided(simd, &seen, &limits(simd, self, t_max), possible)
+    }
 }
 
 impl BlockTest for ExactBlockFilter {

@@ -39,16 +39,32 @@ impl BlockFilter for ReachBlockFilter {
     fn new(ray: &Ray, fused: &FusedRay) -> Self {
         Self(ExactBlockFilter::new(ray, fused))
     }
+
+    #[inline(always)]
+    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
+        let Self(ray) = self;
+        if !ray.decides() {
+            return block.used();
+        }
+        possible_for(simd, ray, block, t_max)
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(
+        &self,
+        _simd: S,
+        _block: &TriangleBlock,
+        _t_max: f32,
+        possible: u32,
+    ) -> Option<BlockVerdict> {
+        BlockVerdict::undecided(possible)
+    }
 }
 
 impl BlockTest for ReachBlockFilter {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        let Self(ray) = self;
-        if !ray.decides() {
-            return BlockVerdict::undecided(block.used());
-        }
-        test_one(simd, ray, block, t_max)
+        BlockVerdict::undecided(self.possible(simd, block, t_max))
     }
 }
 
@@ -59,22 +75,22 @@ pub struct ReachFilterOfLane<'a>(RayOfLane<'a>);
 impl BlockTest for ReachFilterOfLane<'_> {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        test_one(simd, &self.0, block, t_max)
+        BlockVerdict::undecided(possible_for(simd, &self.0, block, t_max))
     }
 }
 
-/// What is said of a block and a ray for which the filter decides.
+/// The lanes of a block that kernels may accept, for a ray for which the filter decides.
 #[inline(always)]
-fn test_one<S: Simd>(
+fn possible_for<S: Simd>(
     simd: S,
     ray: &impl RayAlongAxis,
     block: &TriangleBlock,
     t_max: f32,
-) -> Option<BlockVerdict> {
+) -> u32 {
     let reciprocal = simd.splat(ray.minus_reciprocal().abs());
     let limits = limits(simd, ray, t_max);
     let seen = Seen::new(simd, &BeforeRay::new(simd, ray, block));
-    BlockVerdict::undecided(possible(simd, &seen, reciprocal, &limits))
+    possible(simd, &seen, reciprocal, &limits)
 }
 
 /// Eight rays prepared for the filter of the kernels with a reach.

@@ -14,7 +14,9 @@ pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 pub use packet::{RaySearch, RaysFilterOf, test_rays};
 
-use crate::kernel::{BlockTest, Exact, ExactCrossing, MollerTrumbore, Woop};
+use crate::kernel::{
+    BlockFilter, BlockTest, BlockVerdict, Exact, ExactCrossing, MollerTrumbore, Woop,
+};
 use crate::predicate::Rung;
 use crate::simd::{Simd, lanes_of};
 use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleHit, TriangleKernel};
@@ -322,9 +324,35 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     counter.triangle_tests(u64::from(used.count_ones()));
     let possible = verdict.as_ref().map_or(0, |verdict| verdict.possible);
     counter.decisions(Rung::F32, u64::from((used & !possible).count_ones()));
-    let Some(verdict) = verdict else {
-        return ControlFlow::Continue(());
-    };
+    match verdict {
+        Some(verdict) => offer_all::<K, H, C>(ray, block, &verdict, collector, counter),
+        None => ControlFlow::Continue(()),
+    }
+}
+
+/// Tests the triangles of a block that the [filter leaves](BlockFilter::possible), of which there is at least one, and offers the hits to the collector.
+#[inline(always)]
+pub fn test_possible<S: Simd, K: TriangleKernel, H: HitCollector>(
+    simd: S,
+    (ray, filter): (&Ray, &K::Block),
+    (block, possible): (&TriangleBlock, u32),
+    collector: &mut H,
+) -> ControlFlow<()> {
+    match filter.judge(simd, block, collector.t_max(), possible) {
+        Some(verdict) => offer_all::<K, H, ()>(ray, block, &verdict, collector, &mut ()),
+        None => ControlFlow::Continue(()),
+    }
+}
+
+/// Offers the hits among the triangles of a block to the collector.
+#[inline(always)]
+fn offer_all<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+    ray: &Ray,
+    block: &TriangleBlock,
+    verdict: &BlockVerdict,
+    collector: &mut H,
+    counter: &mut C,
+) -> ControlFlow<()> {
     for lane in lanes_of(verdict.certain) {
         let t = Interval {
             start: verdict.starts.0[lane],

@@ -26,6 +26,27 @@ impl<F: BlockFilter> WithSimd for Test<'_, F> {
     }
 }
 
+/// What is left by the step without a branch, and what the next one says of it.
+struct InSteps<'a, F>(Test<'a, F>);
+
+impl<F: BlockFilter> WithSimd for InSteps<'_, F> {
+    type Output = (u32, Option<BlockVerdict>);
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+        let Self(Test {
+            filter,
+            block,
+            t_max,
+        }) = self;
+        let possible = filter.possible(simd, block, t_max);
+        if possible == 0 {
+            return (0, None);
+        }
+        (possible, filter.judge(simd, block, t_max, possible))
+    }
+}
+
 pub(in crate::kernel) fn levels() -> impl Iterator<Item = AvailableSimd> {
     SimdLevel::ALL.into_iter().filter_map(SimdLevel::available)
 }
@@ -37,15 +58,38 @@ pub(in crate::kernel) fn verdict<F: BlockFilter>(
     triangles: &[Triangle],
     t_max: f32,
 ) -> Option<BlockVerdict> {
-    let block = TriangleBlock::new((0..).zip(triangles.iter().copied()));
-    let bounds = triangles.iter().map(Triangle::aabb);
-    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
-    let fused = FusedRay::new(ray, size_of_bounds(&bounds), 0.0);
+    let block = block(triangles);
     level.dispatch(Test {
-        filter: F::new(ray, &fused),
+        filter: filter::<F>(ray, triangles),
         block: &block,
         t_max,
     })
+}
+
+/// What it leaves and says in two steps.
+fn in_steps<F: BlockFilter>(
+    level: AvailableSimd,
+    ray: &Ray,
+    triangles: &[Triangle],
+    t_max: f32,
+) -> (u32, Option<BlockVerdict>) {
+    let block = block(triangles);
+    level.dispatch(InSteps(Test {
+        filter: filter::<F>(ray, triangles),
+        block: &block,
+        t_max,
+    }))
+}
+
+fn block(triangles: &[Triangle]) -> TriangleBlock {
+    TriangleBlock::new((0..).zip(triangles.iter().copied()))
+}
+
+/// The filter of a ray in a structure that has just these triangles.
+fn filter<F: BlockFilter>(ray: &Ray, triangles: &[Triangle]) -> F {
+    let bounds = triangles.iter().map(Triangle::aabb);
+    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    F::new(ray, &FusedRay::new(ray, size_of_bounds(&bounds), 0.0))
 }
 
 /// Checks what a filter says of a lane against both exact kernels and exact comparisons.
@@ -90,14 +134,20 @@ pub(in crate::kernel) fn check_lane(
 /// Checks what the filter says of some triangles.
 fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
     for level in levels() {
-        let verdict = verdict::<ExactBlockFilter>(level, ray, triangles, t_max);
+        let at_once = verdict::<ExactBlockFilter>(level, ray, triangles, t_max);
+        let (possible, in_steps) = in_steps::<ExactBlockFilter>(level, ray, triangles, t_max);
         let name = level.level();
-        for (lane, triangle) in triangles.iter().enumerate() {
-            check_lane(ray, triangle, t_max, (verdict, lane))
-                .map_err(|error| format!("{name:?}, {error}"))?;
+        for verdict in [at_once, in_steps] {
+            for (lane, triangle) in triangles.iter().enumerate() {
+                check_lane(ray, triangle, t_max, (verdict, lane))
+                    .map_err(|error| format!("{name:?}, {error}"))?;
+            }
         }
-        if let Some(verdict) = verdict {
-            let outside = u32::MAX << triangles.len();
+        let outside = u32::MAX << triangles.len();
+        if possible & outside != 0 {
+            return Err(format!("{name:?}: unused lanes of {possible:b}"));
+        }
+        for verdict in [at_once, in_steps].into_iter().flatten() {
             if verdict.possible == 0
                 || verdict.possible & outside != 0
                 || verdict.certain & !verdict.possible != 0
@@ -114,7 +164,9 @@ fn check_reach(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), Stri
     let (fast, watertight) = (MollerTrumbore::new(ray), Woop::new(ray));
     for level in levels() {
         let verdict = verdict::<ReachBlockFilter>(level, ray, triangles, t_max);
-        let possible = verdict.map_or(0, |verdict| verdict.possible);
+        let (left, in_steps) = in_steps::<ReachBlockFilter>(level, ray, triangles, t_max);
+        let of = |verdict: Option<BlockVerdict>| verdict.map_or(0, |verdict| verdict.possible);
+        let possible = of(verdict) & of(in_steps) & left;
         for (lane, triangle) in triangles.iter().enumerate() {
             let hits = [
                 fast.intersect(triangle, t_max, &mut ()),
@@ -322,5 +374,19 @@ fn nearly_all_ordinary_cases_are_decided() {
             undecided * 100 < certain,
             "{name:?}: {undecided} undecided, {certain} certain"
         );
+    }
+}
+
+/// A ray that starts a little above a triangle, and one that is about to hit it.
+#[test]
+fn the_triangle_behind_a_ray_is_thrown_out_without_a_branch() {
+    let triangle = triangle_around(Vec3::ZERO, 1.0);
+    let direction = Vec3::new(0.3, -0.2, 0.9);
+    for (height, expected) in [(1e-7, 0), (-1e-7, 1)] {
+        let ray = Ray::new(height * Vec3::Z, direction);
+        for level in levels() {
+            let (found, _) = in_steps::<ExactBlockFilter>(level, &ray, &[triangle], f32::INFINITY);
+            assert_eq!(found, expected, "{:?}, {height}", level.level());
+        }
     }
 }

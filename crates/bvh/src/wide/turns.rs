@@ -1,0 +1,253 @@
+//! Several rays in flight, a step each in turn.
+//!
+//! A single ray spends most of its time waiting: for the next node to come from memory, for one result of a chain of others, for a branch that was foreseen wrongly. So a thread
+//! has several rays in flight, and each in turn visits a node or a block of triangles: while one waits the others work. What a ray needs next is asked for when that is decided.
+//!
+//! **Late decisions.** A visit only tests, without a branch on what is found. What follows from it is decided some visits of other rays later, when the result is known: a branch
+//! that was foreseen wrongly is then noticed at once, and the work on other rays that was begun before it is not lost. Hence, too, a block is only
+//! [filtered](BlockFilter::possible) when it is visited, also for the triangle that a ray starts on, and looked at again if that leaves something of it.
+//!
+//! Each ray visits the nodes that it would visit alone, in the same order.
+
+use std::ops::ControlFlow;
+
+use tahko_geometry::kernel::BlockFilter;
+use tahko_geometry::simd::{Lanes, Simd, WithSimd};
+use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleBlock, TriangleKernel, test_possible};
+
+use super::access::View;
+use super::batch::Batch;
+use super::node::Node;
+use super::order::nearest_child;
+use super::slabs::Slabs;
+use super::stack::{Entry, Stack};
+use super::{Child, Kind};
+
+/// Rays that a thread has in flight.
+const IN_FLIGHT: usize = 8;
+/// So many visits of other rays are between the visit of a ray and the decision.
+const LAG: usize = 2;
+/// What is between the rooms of stacks, in entries, so that they do not all begin in the same set of a cache.
+const BETWEEN_ROOMS: usize = 40;
+
+/// The searches of a batch, in turns.
+pub(super) struct Turns<'a, K: TriangleKernel, H: HitCollector, N>(pub(super) Batch<'a, K, H, N>);
+
+/// A ray on its way. What a visit of a node wants is in three cache lines; and the place of each is found by a shift.
+#[repr(C, align(512))]
+struct Flight<'a, K: TriangleKernel, H> {
+    fused: FusedRay,
+    t_max: f32,
+    /// What it visits.
+    child: Child,
+    /// Lanes whose boxes the ray enters, or whose triangles it may hit; as of the last visit.
+    hits: u32,
+    /// Where it enters the boxes.
+    starts: Lanes,
+    stack: Stack<'a>,
+    ray: &'a Ray,
+    /// Its place in the batch.
+    index: usize,
+    filter: K::Block,
+    collector: H,
+}
+
+impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Turns<'_, K, H, N> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Batch {
+            bvh, rays, answers, ..
+        } = self.0;
+        let mut waiting = rays.iter().enumerate();
+        let mut rooms = vec![(Stack::room(), [0u64; BETWEEN_ROOMS]); IN_FLIGHT];
+        let mut flights: Vec<Flight<'_, K, H>> = Vec::with_capacity(IN_FLIGHT);
+        for (room, _) in &mut rooms {
+            let Some((index, ray)) = next_valid::<K, H>(&mut waiting, answers) else {
+                break;
+            };
+            flights.push(Flight::new(bvh, index, ray, Stack::new(room)));
+        }
+        // While all places are taken no branch has to ask for the last one of them: in between are the branches of several rays, after which it would be foreseen wrongly.
+        if let Ok(all) = <&mut [_; IN_FLIGHT]>::try_from(&mut *flights) {
+            for flight in &mut all[..LAG] {
+                flight.visit(simd, bvh);
+            }
+            let mut place = 0;
+            loop {
+                all[(place + LAG) % IN_FLIGHT].visit(simd, bvh);
+                let deciding = &mut all[place % IN_FLIGHT];
+                if deciding.turn(simd, bvh, &mut waiting, answers).is_break() {
+                    break;
+                }
+                place += 1;
+            }
+            flights.swap_remove(place % IN_FLIGHT);
+        }
+        // Some have been visited: once more changes no answer.
+        while !flights.is_empty() {
+            let mut place = 0;
+            while place < flights.len() {
+                flights[place].visit(simd, bvh);
+                let turn = flights[place].turn(simd, bvh, &mut waiting, answers);
+                if turn.is_break() {
+                    flights.swap_remove(place);
+                } else {
+                    place += 1;
+                }
+            }
+        }
+    }
+}
+
+/// The next ray that can hit anything; those before it are answered.
+#[inline(always)]
+fn next_valid<'a, K: TriangleKernel, H: HitCollector>(
+    rays: &mut impl Iterator<Item = (usize, &'a Ray)>,
+    answers: &mut [H::Answer],
+) -> Option<(usize, &'a Ray)> {
+    rays.find(|(index, ray)| {
+        let is_valid = ray.is_valid();
+        if !is_valid {
+            answers[*index] = H::new(ray).finish::<K, ()>(ray, &mut ());
+        }
+        is_valid
+    })
+}
+
+/// The test of what the filter leaves of a block.
+struct Block<'a, K: TriangleKernel, H> {
+    block: &'a TriangleBlock,
+    /// A bit for each triangle that is left.
+    possible: u32,
+    ray: &'a Ray,
+    filter: &'a K::Block,
+    collector: &'a mut H,
+}
+
+impl<K: TriangleKernel, H: HitCollector> WithSimd for Block<'_, K, H> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
+        let (kernels, triangles) = ((self.ray, self.filter), (self.block, self.possible));
+        test_possible::<S, K, H>(simd, kernels, triangles, self.collector)
+    }
+}
+
+impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
+    #[inline(always)]
+    fn new<N: Node>(bvh: View<'_, N>, index: usize, ray: &'a Ray, stack: Stack<'a>) -> Self {
+        let fused = FusedRay::new(ray, bvh.size, K::REACH);
+        Self {
+            index,
+            ray,
+            fused,
+            filter: K::Block::new(ray, &fused),
+            collector: H::new(ray),
+            t_max: ray.t_max,
+            hits: 0,
+            starts: Lanes::splat(0.0),
+            child: bvh.root,
+            stack,
+        }
+    }
+
+    /// Gives the place of a ray that is done to another one.
+    #[inline(always)]
+    fn start<N: Node>(&mut self, bvh: View<'_, N>, index: usize, ray: &'a Ray) {
+        self.index = index;
+        self.ray = ray;
+        self.fused = FusedRay::new(ray, bvh.size, K::REACH);
+        self.filter = K::Block::new(ray, &self.fused);
+        self.collector = H::new(ray);
+        self.t_max = ray.t_max;
+        self.stack.clear();
+        self.child = bvh.root;
+    }
+
+    /// [Decides](Self::decide), and gives the place of a ray that is done to another one. `Break` if no ray is left.
+    #[inline(always)]
+    fn turn<S: Simd, N: Node>(
+        &mut self,
+        simd: S,
+        bvh: View<'_, N>,
+        waiting: &mut impl Iterator<Item = (usize, &'a Ray)>,
+        answers: &mut [H::Answer],
+    ) -> ControlFlow<()> {
+        if self.decide(simd, bvh).is_continue() {
+            return ControlFlow::Continue(());
+        }
+        answers[self.index] = self.collector.finish::<K, ()>(self.ray, &mut ());
+        match next_valid::<K, H>(waiting, answers) {
+            Some((index, ray)) => {
+                self.start(bvh, index, ray);
+                ControlFlow::Continue(())
+            }
+            None => ControlFlow::Break(()),
+        }
+    }
+
+    /// Tests the boxes of a node, or filters a block of triangles.
+    #[inline(always)]
+    fn visit<S: Simd, N: Node>(&mut self, simd: S, bvh: View<'_, N>) {
+        match self.child.kind() {
+            Kind::Inner(index) => {
+                let node = bvh.node(index);
+                let slabs = Slabs::new(simd, &self.fused);
+                let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
+                self.starts = simd.store(start);
+                self.hits = simd.bits(hits);
+            }
+            Kind::Leaf(index) => {
+                let block = bvh.block(index);
+                self.hits = self.filter.possible(simd, block, self.t_max);
+                // Whatever is closer by then, it begins before that.
+                let next = Entry::new(Child::leaf(index + 1), f32::NEG_INFINITY);
+                self.stack.push_if(block.continues(), next);
+            }
+        }
+    }
+
+    /// Finds what comes next after a visit. `Break` at the end of the search.
+    #[inline(always)]
+    fn decide<S: Simd, N: Node>(&mut self, simd: S, bvh: View<'_, N>) -> ControlFlow<()> {
+        let child = if self.hits == 0 {
+            self.stack.pop_before::<H>(self.t_max)
+        } else {
+            match self.child.kind() {
+                Kind::Inner(index) => {
+                    let node = bvh.node(index);
+                    let starts = || self.starts.0;
+                    Some(nearest_child::<S, H, N>(
+                        bvh,
+                        simd,
+                        node,
+                        starts,
+                        self.hits,
+                        &mut self.stack,
+                    ))
+                }
+                Kind::Leaf(index) => {
+                    let block = bvh.block(index);
+                    simd.outline(Block::<K, H> {
+                        block,
+                        possible: self.hits,
+                        ray: self.ray,
+                        filter: &self.filter,
+                        collector: &mut self.collector,
+                    })?;
+                    self.t_max = self.collector.t_max();
+                    self.stack.pop_before::<H>(self.t_max)
+                }
+            }
+        };
+        let Some(child) = child else {
+            return ControlFlow::Break(());
+        };
+        bvh.prefetch(simd, child);
+        self.child = child;
+        ControlFlow::Continue(())
+    }
+}
