@@ -208,7 +208,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> Way<'_, K
                 collector: &mut *collector,
                 counter: &mut *counter,
             };
-            simd.outline(leaf)?;
+            leaf.search(simd)?;
             t_max = collector.t_max();
             match stack.pop_before::<H>(t_max) {
                 Some(child) => current = child,

@@ -13,10 +13,11 @@ use std::ops::ControlFlow;
 
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{Lanes, Simd, WithSimd};
-use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleBlock, TriangleKernel, test_possible};
+use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
 
 use super::access::View;
 use super::batch::Batch;
+use super::leaf::Left;
 use super::node::Node;
 use super::order::nearest_child;
 use super::slabs::Slabs;
@@ -116,26 +117,6 @@ fn next_valid<'a, K: TriangleKernel, H: HitCollector>(
     })
 }
 
-/// The test of what the filter leaves of a block.
-struct Block<'a, K: TriangleKernel, H> {
-    block: &'a TriangleBlock,
-    /// A bit for each triangle that is left.
-    possible: u32,
-    ray: &'a Ray,
-    filter: &'a K::Block,
-    collector: &'a mut H,
-}
-
-impl<K: TriangleKernel, H: HitCollector> WithSimd for Block<'_, K, H> {
-    type Output = ControlFlow<()>;
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
-        let (kernels, triangles) = ((self.ray, self.filter), (self.block, self.possible));
-        test_possible::<S, K, H>(simd, kernels, triangles, self.collector)
-    }
-}
-
 impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
     #[inline(always)]
     fn new<N: Node>(bvh: View<'_, N>, index: usize, ray: &'a Ray, stack: Stack<'a>) -> Self {
@@ -231,12 +212,13 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
                 }
                 Kind::Leaf(index) => {
                     let block = bvh.block(index);
-                    simd.outline(Block::<K, H> {
+                    simd.outline(Left::<K, H, ()> {
                         block,
                         possible: self.hits,
                         ray: self.ray,
                         filter: &self.filter,
                         collector: &mut self.collector,
+                        counter: &mut (),
                     })?;
                     self.t_max = self.collector.t_max();
                     self.stack.pop_before::<H>(self.t_max)

@@ -332,14 +332,18 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
 
 /// Tests the triangles of a block that the [filter leaves](BlockFilter::possible), of which there is at least one, and offers the hits to the collector.
 #[inline(always)]
-pub fn test_possible<S: Simd, K: TriangleKernel, H: HitCollector>(
+pub fn test_possible<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     simd: S,
     (ray, filter): (&Ray, &K::Block),
     (block, possible): (&TriangleBlock, u32),
     collector: &mut H,
+    counter: &mut C,
 ) -> ControlFlow<()> {
-    match filter.judge(simd, block, collector.t_max(), possible) {
-        Some(verdict) => offer_all::<K, H, ()>(ray, block, &verdict, collector, &mut ()),
+    let verdict = filter.judge(simd, block, collector.t_max(), possible);
+    let left = verdict.as_ref().map_or(0, |verdict| verdict.possible);
+    counter.decisions(Rung::F32, u64::from((possible & !left).count_ones()));
+    match verdict {
+        Some(verdict) => offer_all::<K, H, C>(ray, block, &verdict, collector, counter),
         None => ControlFlow::Continue(()),
     }
 }
