@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-use tahko_geometry::kernel::BlockFilter;
+use tahko_geometry::kernel::BlockTest;
 use tahko_geometry::predicate::Rung;
 use tahko_geometry::simd::{Simd, WithSimd};
 use tahko_geometry::{

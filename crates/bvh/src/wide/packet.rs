@@ -34,6 +34,8 @@ pub(super) struct Packet<'a, K: TriangleKernel, H> {
     groups: [Group<K>; GROUPS],
     /// Whether all filters decide.
     filters_decide: bool,
+    /// For each ray, a bit for each triangle of a block that it may hit.
+    possible: [u32; SIZE],
     searches: Vec<RaySearch<'a, H>>,
     waiting: Vec<Waiting>,
 }
@@ -68,6 +70,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
                 filter: RaysFilterOf::<K>::EMPTY,
             }),
             filters_decide: false,
+            possible: [0; SIZE],
             searches: Vec::with_capacity(SIZE),
             waiting: Vec::new(),
         }

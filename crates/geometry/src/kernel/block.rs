@@ -11,15 +11,6 @@ use crate::{FusedRay, Ray, TriangleBlock};
 pub trait BlockTest {
     /// What can be said of a block's triangles: `None` if the kernel accepts none of them with `t`, rounded, up to `t_max`.
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
-}
-
-/// A ray prepared alone for testing blocks of triangles.
-pub trait BlockFilter: BlockTest + Copy {
-    /// The filter of the same kernels for eight rays and one triangle.
-    type Rays: RaysFilter;
-
-    /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
-    fn new(ray: &Ray, fused: &FusedRay) -> Self;
 
     /// A bit for each lane whose triangle the kernel may accept with `t`, rounded, up to `t_max`; it accepts none of the others. There is no branch on what is found: for callers who
     /// have other work until it is known.
@@ -33,6 +24,15 @@ pub trait BlockFilter: BlockTest + Copy {
         t_max: f32,
         possible: u32,
     ) -> Option<BlockVerdict>;
+}
+
+/// A ray prepared alone for testing blocks of triangles.
+pub trait BlockFilter: BlockTest + Copy {
+    /// The filter of the same kernels for eight rays and one triangle.
+    type Rays: RaysFilter;
+
+    /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
+    fn new(ray: &Ray, fused: &FusedRay) -> Self;
 }
 
 /// What is known of the triangles of a block that may be hit by a ray; or of the rays that may hit a triangle, a lane for each ray.

@@ -60,20 +60,25 @@ impl BlockFilter for ExactBlockFilter {
             decides: DIRECTIONS.contains(&along) && fused.farthest <= FARTHEST,
         }
     }
+}
+
+impl BlockTest for ExactBlockFilter {
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
+        if !self.decides() {
+            return BlockVerdict::undecided(block.used());
+        }
+        let sight = BeforeRay::new(simd, self, block);
+        verdict(simd, &sight, &limits(simd, self, t_max))
+    }
 
     #[inline(always)]
     fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
-        if !self.decides {
+        if !self.decides() {
             return block.used();
         }
         let sight = BeforeRay::new(simd, self, block);
-        let limits = limits(simd, self, t_max);
-        let seen = Seen::new(simd, &sight);
-        let possible = possible(simd, &seen, &limits);
-        if !limits.is_ahead {
-            return possible;
-        }
-        possible & !behind(simd, &seen, &sight)
+        ahead(simd, &sight, &limits(simd, self, t_max))
     }
 
     #[inline(always)]
@@ -84,21 +89,11 @@ impl BlockFilter for ExactBlockFilter {
         t_max: f32,
         possible: u32,
     ) -> Option<BlockVerdict> {
-        if !self.decides {
+        if !self.decides() {
             return BlockVerdict::undecided(possible);
         }
         let seen = Seen::new(simd, &BeforeRay::new(simd, self, block));
         decided(simd, &seen, &limits(simd, self, t_max), possible)
-    }
-}
-
-impl BlockTest for ExactBlockFilter {
-    #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        if !self.decides() {
-            return BlockVerdict::undecided(block.used());
-        }
-        test_one(simd, self, block, t_max)
     }
 }
 
@@ -159,20 +154,30 @@ pub struct ExactFilterOfLane<'a>(RayOfLane<'a>);
 impl BlockTest for ExactFilterOfLane<'_> {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        test_one(simd, &self.0, block, t_max)
+        let Self(ray) = self;
+        let sight = BeforeRay::new(simd, ray, block);
+        verdict(simd, &sight, &limits(simd, ray, t_max))
     }
-}
 
-/// What is said of a block and a ray for which the filter decides.
-#[inline(always)]
-fn test_one<S: Simd>(
-    simd: S,
-    ray: &impl RayAlongAxis,
-    block: &TriangleBlock,
-    t_max: f32,
-) -> Option<BlockVerdict> {
-    let sight = BeforeRay::new(simd, ray, block);
-    verdict(simd, &sight, &limits(simd, ray, t_max))
+    #[inline(always)]
+    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
+        let Self(ray) = self;
+        let sight = BeforeRay::new(simd, ray, block);
+        ahead(simd, &sight, &limits(simd, ray, t_max))
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(
+        &self,
+        simd: S,
+        block: &TriangleBlock,
+        t_max: f32,
+        possible: u32,
+    ) -> Option<BlockVerdict> {
+        let Self(ray) = self;
+        let seen = Seen::new(simd, &BeforeRay::new(simd, ray, block));
+        decided(simd, &seen, &limits(simd, ray, t_max), possible)
+    }
 }
 
 /// Eight rays prepared for the filter of the exact kernels.
@@ -226,6 +231,17 @@ fn verdict<S: Simd>(simd: S, sight: &impl Sight<S>, limits: &Limits<S>) -> Optio
         return None;
     }
     decided(simd, &Seen::new(simd, &sight), limits, possible)
+}
+
+/// The lanes that may be hit in the interval, and of which the plane is not behind a ray that begins at its origin or later. Without a branch on what is found.
+#[inline(always)]
+fn ahead<S: Simd>(simd: S, sight: &impl Sight<S>, limits: &Limits<S>) -> u32 {
+    let seen = Seen::new(simd, sight);
+    let possible = possible(simd, &seen, limits);
+    if !limits.is_ahead {
+        return possible;
+    }
+    possible & !behind(simd, &seen, sight)
 }
 
 /// The lanes that may be hit in the interval.

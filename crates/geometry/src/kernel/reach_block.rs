@@ -39,6 +39,13 @@ impl BlockFilter for ReachBlockFilter {
     fn new(ray: &Ray, fused: &FusedRay) -> Self {
         Self(ExactBlockFilter::new(ray, fused))
     }
+}
+
+impl BlockTest for ReachBlockFilter {
+    #[inline(always)]
+    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
+        BlockVerdict::undecided(self.possible(simd, block, t_max))
+    }
 
     #[inline(always)]
     fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
@@ -61,13 +68,6 @@ impl BlockFilter for ReachBlockFilter {
     }
 }
 
-impl BlockTest for ReachBlockFilter {
-    #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        BlockVerdict::undecided(self.possible(simd, block, t_max))
-    }
-}
-
 /// One of [eight rays](ReachRaysFilter).
 #[derive(Clone, Copy, Debug)]
 pub struct ReachFilterOfLane<'a>(RayOfLane<'a>);
@@ -75,7 +75,23 @@ pub struct ReachFilterOfLane<'a>(RayOfLane<'a>);
 impl BlockTest for ReachFilterOfLane<'_> {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        BlockVerdict::undecided(possible_for(simd, &self.0, block, t_max))
+        BlockVerdict::undecided(self.possible(simd, block, t_max))
+    }
+
+    #[inline(always)]
+    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
+        possible_for(simd, &self.0, block, t_max)
+    }
+
+    #[inline(always)]
+    fn judge<S: Simd>(
+        &self,
+        _simd: S,
+        _block: &TriangleBlock,
+        _t_max: f32,
+        possible: u32,
+    ) -> Option<BlockVerdict> {
+        BlockVerdict::undecided(possible)
     }
 }
 

@@ -14,9 +14,7 @@ pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 pub use packet::{RaySearch, RaysFilterOf, test_rays};
 
-use crate::kernel::{
-    BlockFilter, BlockTest, BlockVerdict, Exact, ExactCrossing, MollerTrumbore, Woop,
-};
+use crate::kernel::{BlockTest, BlockVerdict, Exact, ExactCrossing, MollerTrumbore, Woop};
 use crate::predicate::Rung;
 use crate::simd::{Simd, lanes_of};
 use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleHit, TriangleKernel};
@@ -330,11 +328,11 @@ pub fn test_block<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCount
     }
 }
 
-/// Tests the triangles of a block that the [filter leaves](BlockFilter::possible), of which there is at least one, and offers the hits to the collector.
+/// Tests the triangles of a block that the [filter leaves](BlockTest::possible), of which there is at least one, and offers the hits to the collector.
 #[inline(always)]
 pub fn test_possible<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     simd: S,
-    (ray, filter): (&Ray, &K::Block),
+    (ray, filter): (&Ray, &impl BlockTest),
     (block, possible): (&TriangleBlock, u32),
     collector: &mut H,
     counter: &mut C,

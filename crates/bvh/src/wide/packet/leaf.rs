@@ -3,14 +3,14 @@
 use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
-use tahko_geometry::kernel::BlockFilter;
+use tahko_geometry::kernel::{BlockFilter, BlockTest};
 use tahko_geometry::simd::{LANES, Simd, WithSimd, bits_of};
 use tahko_geometry::{
     FusedRay, HitCollector, RaySearch, RaysFilter, TriangleBlock, TriangleKernel, test_block,
-    test_rays,
+    test_possible, test_rays,
 };
 
-use super::{Group, Packet, groups_with, last_rays};
+use super::{GROUPS, Group, Packet, SIZE, groups_with, last_rays};
 use crate::wide::access::View;
 use crate::wide::leaf::Leaf;
 use crate::wide::node::Node;
@@ -38,8 +38,10 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOfAll<'_, '_, K, H> {
             let [cost_of_rays, cost] = COST_OF_RAYS;
             let done = if tests_of_all * cost_of_rays < left.count_ones() * cost {
                 packet.test_together(simd, block, left)
-            } else {
+            } else if H::ORDERED {
                 packet.test_one_by_one(simd, block, left)
+            } else {
+                packet.filter_then_test(simd, block, left)
             };
             left &= !done;
             if !block.continues() || left == 0 {
@@ -74,13 +76,44 @@ impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
     fn test_one_by_one<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
         let mut done = 0;
         for place in bits_of(rays) {
-            let (group, lane) = (place / LANES, place % LANES);
-            let Group { rays, filter, .. } = &self.groups[group];
-            let filter = filter.of_lane(rays, lane);
+            let Group { rays, filter, .. } = &self.groups[place / LANES % GROUPS];
+            let filter = filter.of_lane(rays, place % LANES);
             let search = &mut self.searches[place];
             let kernels = (search.ray, &filter);
             let step =
                 test_block::<S, K, H, ()>(simd, kernels, block, &mut search.collector, &mut ());
+            done |= self.keep(place, step);
+        }
+        done
+    }
+
+    /// Filters a block for one ray after the other, without a branch on what is found, before it tests what is left for any of them. The filters decide.
+    ///
+    /// Rays that look for any hit mostly start on a surface, and pass what looks like hits and is none: that would be foreseen wrongly again and again. Rays that look for the closest hit
+    /// mostly have one, which would be looked at twice.
+    #[inline(always)]
+    fn filter_then_test<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
+        let mut left = 0;
+        for place in bits_of(rays) {
+            let Group { rays, filter, .. } = &self.groups[place / LANES % GROUPS];
+            let lane = place % LANES;
+            let filter = filter.of_lane(rays, lane);
+            let possible = filter.possible(simd, block, rays.t_max.0[lane]);
+            self.possible[place % SIZE] = possible;
+            left |= u64::from(possible != 0) << place;
+        }
+        let mut done = 0;
+        for place in bits_of(left) {
+            let Group { rays, filter, .. } = &self.groups[place / LANES % GROUPS];
+            let filter = filter.of_lane(rays, place % LANES);
+            let search = &mut self.searches[place];
+            let step = test_possible::<S, K, H, ()>(
+                simd,
+                (search.ray, &filter),
+                (block, self.possible[place % SIZE]),
+                &mut search.collector,
+                &mut (),
+            );
             done |= self.keep(place, step);
         }
         done
