@@ -18,6 +18,8 @@ struct Test<'a, F>(&'a [Ray], &'a [Triangle], &'a [f32], F);
 struct Verdicts {
     of_rays: Vec<Option<BlockVerdict>>,
     of_blocks: Vec<Option<BlockVerdict>>,
+    /// The second of these in two steps.
+    in_steps: Vec<Option<BlockVerdict>>,
 }
 
 impl<F: RaysFilter> WithSimd for Test<'_, F> {
@@ -42,11 +44,19 @@ impl<F: RaysFilter> WithSimd for Test<'_, F> {
             alone.test(simd, &block, limits[lane])
         });
         let of_blocks = of_blocks.collect();
+        let in_steps = (0..rays.len()).map(|lane| {
+            let (alone, t_max) = (filter.of_lane(&lanes, lane), limits[lane]);
+            let possible = alone.possible(simd, &block, t_max);
+            let judged = || alone.judge(simd, &block, t_max, possible);
+            (possible != 0).then(judged).flatten()
+        });
+        let in_steps = in_steps.collect();
         lanes.t_max.0[..limits.len()].copy_from_slice(limits);
         let all = (0..triangles.len()).map(|triangle| filter.test(simd, &lanes, &block, triangle));
         Some(Verdicts {
             of_rays: all.collect(),
             of_blocks,
+            in_steps,
         })
     }
 }
@@ -87,7 +97,8 @@ fn check(rays: &[Ray], triangles: &[Triangle], limits: &[f32]) -> Result<(), Str
                     let name = level.level();
                     let of_rays = (verdicts.of_rays[place], lane);
                     let of_block = (verdicts.of_blocks[lane], place);
-                    for verdict in [of_rays, of_block] {
+                    let in_steps = (verdicts.in_steps[lane], place);
+                    for verdict in [of_rays, of_block, in_steps] {
                         check_lane(ray, triangle, *t_max, verdict)
                             .map_err(|error| format!("{name:?}, {ray:?}, {verdict:?}: {error}"))?;
                     }
@@ -106,7 +117,8 @@ fn check(rays: &[Ray], triangles: &[Triangle], limits: &[f32]) -> Result<(), Str
                         verdict.is_some_and(|verdict| verdict.possible >> lane & 1 == 1)
                     };
                     let is_possible = is_possible(verdicts.of_rays[place], lane)
-                        && is_possible(verdicts.of_blocks[lane], place);
+                        && is_possible(verdicts.of_blocks[lane], place)
+                        && is_possible(verdicts.in_steps[lane], place);
                     if !is_possible && hits != [None; 2] {
                         return Err(format!("{ray:?}, {triangle:?}: {hits:?} thrown out"));
                     }
