@@ -62,50 +62,12 @@ impl BlockFilter for ExactBlockFilter {
     }
 }
 
-impl BlockTest for ExactBlockFilter {
+impl RayAlongAxis for ExactBlockFilter {
     #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        if !self.decides() {
-            return BlockVerdict::undecided(block.used());
-        }
-        let sight = BeforeRay::new(simd, self, block);
-        verdict(simd, &sight, &limits(simd, self, t_max))
-    }
-
-    #[inline(always)]
-    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
-        if !self.decides() {
-            return block.used();
-        }
-        let sight = BeforeRay::new(simd, self, block);
-        ahead(simd, &sight, &limits(simd, self, t_max))
-    }
-
-    #[inline(always)]
-    fn judge<S: Simd>(
-        &self,
-        simd: S,
-        block: &TriangleBlock,
-        t_max: f32,
-        possible: u32,
-    ) -> Option<BlockVerdict> {
-        if !self.decides() {
-            return BlockVerdict::undecided(possible);
-        }
-        let seen = Seen::new(simd, &BeforeRay::new(simd, self, block));
-        decided(simd, &seen, &limits(simd, self, t_max), possible)
-    }
-}
-
-impl ExactBlockFilter {
-    /// Whether the filter says anything of triangles.
-    #[inline(always)]
-    pub(super) const fn decides(&self) -> bool {
+    fn decides(&self) -> bool {
         self.decides
     }
-}
 
-impl RayAlongAxis for ExactBlockFilter {
     #[inline(always)]
     fn axes(&self) -> [Axis; 3] {
         self.z.around()
@@ -147,23 +109,24 @@ impl RayAlongAxis for ExactBlockFilter {
     }
 }
 
-/// One of [eight rays](ExactRaysFilter).
-#[derive(Clone, Copy, Debug)]
-pub struct ExactFilterOfLane<'a>(RayOfLane<'a>);
-
-impl BlockTest for ExactFilterOfLane<'_> {
+/// A ray is tested the same way whether it was prepared alone or with others.
+impl<R: RayAlongAxis> BlockTest for R {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        let Self(ray) = self;
-        let sight = BeforeRay::new(simd, ray, block);
-        verdict(simd, &sight, &limits(simd, ray, t_max))
+        if !self.decides() {
+            return BlockVerdict::undecided(block.used());
+        }
+        let sight = BeforeRay::new(simd, self, block);
+        verdict(simd, &sight, &limits(simd, self, t_max))
     }
 
     #[inline(always)]
     fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
-        let Self(ray) = self;
-        let sight = BeforeRay::new(simd, ray, block);
-        ahead(simd, &sight, &limits(simd, ray, t_max))
+        if !self.decides() {
+            return block.used();
+        }
+        let sight = BeforeRay::new(simd, self, block);
+        ahead(simd, &sight, &limits(simd, self, t_max))
     }
 
     #[inline(always)]
@@ -174,9 +137,11 @@ impl BlockTest for ExactFilterOfLane<'_> {
         t_max: f32,
         possible: u32,
     ) -> Option<BlockVerdict> {
-        let Self(ray) = self;
-        let seen = Seen::new(simd, &BeforeRay::new(simd, ray, block));
-        decided(simd, &seen, &limits(simd, ray, t_max), possible)
+        if !self.decides() {
+            return BlockVerdict::undecided(possible);
+        }
+        let seen = Seen::new(simd, &BeforeRay::new(simd, self, block));
+        decided(simd, &seen, &limits(simd, self, t_max), possible)
     }
 }
 
@@ -185,7 +150,7 @@ impl BlockTest for ExactFilterOfLane<'_> {
 pub struct ExactRaysFilter(RaysAlongAxis);
 
 impl RaysFilter for ExactRaysFilter {
-    type OneRay<'a> = ExactFilterOfLane<'a>;
+    type OneRay<'a> = RayOfLane<'a>;
 
     const EMPTY: Self = Self(RaysAlongAxis::EMPTY);
 
@@ -207,8 +172,8 @@ impl RaysFilter for ExactRaysFilter {
     }
 
     #[inline(always)]
-    fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> ExactFilterOfLane<'a> {
-        ExactFilterOfLane(self.0.of_lane(rays, lane))
+    fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> RayOfLane<'a> {
+        self.0.of_lane(rays, lane)
     }
 }
 

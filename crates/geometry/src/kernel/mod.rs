@@ -34,11 +34,11 @@ mod woop;
 
 pub use block::{BlockFilter, BlockTest, BlockVerdict};
 pub use exact::{Exact, ExactCrossing, Ladder};
-pub use exact_block::{ExactBlockFilter, ExactFilterOfLane, ExactRaysFilter};
+pub use exact_block::{ExactBlockFilter, ExactRaysFilter};
 pub use lanes::{HitLanes, VertexLanes};
 pub use moller_trumbore::MollerTrumbore;
-pub use rays::RaysFilter;
-pub use reach_block::{ReachBlockFilter, ReachFilterOfLane, ReachRaysFilter};
+pub use rays::{RayOfLane, RaysFilter};
+pub use reach_block::{ReachBlockFilter, ReachRaysFilter, WithinReach};
 pub(crate) use terms::WEIGHT_ERROR;
 pub use woop::Woop;
 

@@ -8,6 +8,9 @@ use crate::{Axis, TriangleBlock};
 
 /// What filters know of a ray that is sheared onto an axis: one that was prepared alone, or one of eight.
 pub(super) trait RayAlongAxis: Copy {
+    /// Whether filters say anything of triangles.
+    fn decides(&self) -> bool;
+
     /// The axes in cyclic order, that of the shear last.
     fn axes(&self) -> [Axis; 3];
 

@@ -146,15 +146,21 @@ impl RaysAlongAxis {
     }
 }
 
-/// One of eight rays.
+/// One of eight rays that filters decide of.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct RayOfLane<'a> {
+pub struct RayOfLane<'a> {
     prepared: &'a RaysAlongAxis,
     rays: &'a RayLanes,
     lane: usize,
 }
 
 impl RayAlongAxis for RayOfLane<'_> {
+    /// It is not asked otherwise.
+    #[inline(always)]
+    fn decides(&self) -> bool {
+        true
+    }
+
     #[inline(always)]
     fn axes(&self) -> [Axis; 3] {
         self.prepared.axes

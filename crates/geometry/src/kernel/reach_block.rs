@@ -28,9 +28,12 @@ const TINY_T: f32 = 1.0 / (1u128 << 110) as f32;
 
 const _: () = assert!(confirm::REACH <= 16.0, "the factors are for this reach");
 
-/// A ray prepared for the filter of the kernels with a reach.
+/// A ray prepared for the filter of the kernels with a reach: [alone](ReachBlockFilter), or with others.
 #[derive(Clone, Copy, Debug)]
-pub struct ReachBlockFilter(ExactBlockFilter);
+pub struct WithinReach<R>(R);
+
+/// A ray prepared alone for the filter of the kernels with a reach.
+pub type ReachBlockFilter = WithinReach<ExactBlockFilter>;
 
 impl BlockFilter for ReachBlockFilter {
     type Rays = ReachRaysFilter;
@@ -41,7 +44,7 @@ impl BlockFilter for ReachBlockFilter {
     }
 }
 
-impl BlockTest for ReachBlockFilter {
+impl<R: RayAlongAxis> BlockTest for WithinReach<R> {
     #[inline(always)]
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
         BlockVerdict::undecided(self.possible(simd, block, t_max))
@@ -53,7 +56,9 @@ impl BlockTest for ReachBlockFilter {
         if !ray.decides() {
             return block.used();
         }
-        possible_for(simd, ray, block, t_max)
+        let reciprocal = simd.splat(ray.minus_reciprocal().abs());
+        let seen = Seen::new(simd, &BeforeRay::new(simd, ray, block));
+        possible(simd, &seen, reciprocal, &limits(simd, ray, t_max))
     }
 
     #[inline(always)]
@@ -66,47 +71,6 @@ impl BlockTest for ReachBlockFilter {
     ) -> Option<BlockVerdict> {
         BlockVerdict::undecided(possible)
     }
-}
-
-/// One of [eight rays](ReachRaysFilter).
-#[derive(Clone, Copy, Debug)]
-pub struct ReachFilterOfLane<'a>(RayOfLane<'a>);
-
-impl BlockTest for ReachFilterOfLane<'_> {
-    #[inline(always)]
-    fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict> {
-        BlockVerdict::undecided(self.possible(simd, block, t_max))
-    }
-
-    #[inline(always)]
-    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
-        possible_for(simd, &self.0, block, t_max)
-    }
-
-    #[inline(always)]
-    fn judge<S: Simd>(
-        &self,
-        _simd: S,
-        _block: &TriangleBlock,
-        _t_max: f32,
-        possible: u32,
-    ) -> Option<BlockVerdict> {
-        BlockVerdict::undecided(possible)
-    }
-}
-
-/// The lanes of a block that kernels may accept, for a ray for which the filter decides.
-#[inline(always)]
-fn possible_for<S: Simd>(
-    simd: S,
-    ray: &impl RayAlongAxis,
-    block: &TriangleBlock,
-    t_max: f32,
-) -> u32 {
-    let reciprocal = simd.splat(ray.minus_reciprocal().abs());
-    let limits = limits(simd, ray, t_max);
-    let seen = Seen::new(simd, &BeforeRay::new(simd, ray, block));
-    possible(simd, &seen, reciprocal, &limits)
 }
 
 /// Eight rays prepared for the filter of the kernels with a reach.
@@ -114,7 +78,7 @@ fn possible_for<S: Simd>(
 pub struct ReachRaysFilter(RaysAlongAxis);
 
 impl RaysFilter for ReachRaysFilter {
-    type OneRay<'a> = ReachFilterOfLane<'a>;
+    type OneRay<'a> = WithinReach<RayOfLane<'a>>;
 
     const EMPTY: Self = Self(RaysAlongAxis::EMPTY);
 
@@ -139,8 +103,8 @@ impl RaysFilter for ReachRaysFilter {
     }
 
     #[inline(always)]
-    fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> ReachFilterOfLane<'a> {
-        ReachFilterOfLane(self.0.of_lane(rays, lane))
+    fn of_lane<'a>(&'a self, rays: &'a RayLanes, lane: usize) -> WithinReach<RayOfLane<'a>> {
+        WithinReach(self.0.of_lane(rays, lane))
     }
 }
 

@@ -15,7 +15,7 @@ use crate::wide::access::View;
 use crate::wide::leaf::Leaf;
 use crate::wide::node::Node;
 
-/// The costs of a test of a triangle with eight rays and of a ray with eight triangles, which has a call and a filter of its own. Measured with 1 to 2, 2 to 3, 4 to 5 and 1 to 1: the last is
+/// The costs of a test of a triangle with eight rays and of a ray with eight triangles, which is read from the lanes. Measured when it had a call and a filter of its own, with 1 to 2, 2 to 3, 4 to 5 and 1 to 1: the last is
 /// better by a twentieth on scans and among hairs than 2 to 3, and slower by as much for shadow rays in a kitchen; the one before is not.
 const COST_OF_RAYS: [u32; 2] = [4, 5];
 

@@ -8,7 +8,7 @@ use proptest::test_runner::TestRunner;
 
 use super::*;
 use crate::kernel::exact_block::tests::{assert_true_of_kernels, levels, scaled, scene, verdict};
-use crate::kernel::one_ray::BeforeRay;
+use crate::kernel::one_ray::{BeforeRay, RayAlongAxis};
 use crate::kernel::{BlockFilter, ExactBlockFilter};
 use crate::oracle::Oracle;
 use crate::predicate::compare_t;
