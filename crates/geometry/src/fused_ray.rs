@@ -27,7 +27,8 @@ use std::ops::RangeInclusive;
 
 use glam::{Vec3A, Vec4};
 
-use crate::{Aabb, Ray};
+use crate::kernel::sheared;
+use crate::{Aabb, Axis, Ray};
 
 mod lanes;
 mod packet;
@@ -48,10 +49,12 @@ pub struct FusedRay {
     pub negative: u32,
     /// The beginning of the ray's interval, not -0.0: entries into boxes may be ordered as integers.
     pub t_min: f32,
-    /// The size of the largest component of the direction.
+    /// The axis of the largest component of the direction; the first one on a tie.
+    pub axis: Axis,
+    /// The size of that component.
     pub largest: f32,
-    /// No coordinate differs more between the origin and the bounds.
-    pub farthest: f32,
+    /// Whether the ray is in the range in which the [filters](crate::BlockFilter) of kernels decide.
+    pub filters_decide: bool,
 }
 
 /// What the `t` of near planes, or of far planes, is computed with: `position * reciprocal + offset` on each axis.
@@ -104,22 +107,15 @@ impl FusedRay {
             .max(Vec4::splat(SMALLEST_COMPONENT))
             .copysign(direction)
             .recip();
-        let farthest = (size + largest_of_three(origin.abs())) * (1.0 + SHIFT);
+        let distance = largest_of_three(origin.abs());
         let mut shift = size * SHIFT_OF_SIZE;
         if reach > 0.0 {
             let [relative, absolute] = shift_for(reach);
-            shift += (relative * farthest + absolute) * (1.0 + SHIFT);
+            shift += (relative * farthest(size, distance) + absolute) * (1.0 + SHIFT);
         }
-        if ray.t_min < 0.0 {
-            shift += SHIFT_BEHIND * farthest;
-        }
-        // What is not in these ranges, NaN included, culls nothing.
-        let culls = DIRECTIONS.contains(&largest)
-            && size >= SMALLEST_SIZE
-            && farthest <= FARTHEST
-            && farthest <= size * FARTHEST_IN_SIZES;
-        if !culls {
-            shift = f32::INFINITY;
+        let mut filters_decide = true;
+        if !is_ordinary(ray, size, largest, distance) {
+            (shift, filters_decide) = of_unusual_ray(ray, size, largest, distance, shift);
         }
         let shift = (origin.abs() * SHIFT + Vec4::splat(shift)).copysign(direction);
         Self {
@@ -128,9 +124,71 @@ impl FusedRay {
             far: FusedSlabs::new(origin - shift, reciprocal * (1.0 + RELATIVE_WIDENING)),
             negative: direction.is_negative_bitmask() & 7,
             t_min: ray.t_min + 0.0,
+            axis: first_axis(magnitudes.cmpeq(Vec4::splat(largest)).bitmask()),
             largest,
-            farthest,
+            filters_decide,
         }
+    }
+}
+
+/// No coordinate differs more between the origin and the bounds.
+#[inline(always)]
+fn farthest(size: f32, distance: f32) -> f32 {
+    (size + distance) * (1.0 + SHIFT)
+}
+
+/// Whether a ray begins at its origin or later, is culled, and is one that filters decide of, with room for roundings: as nearly all are.
+#[inline(always)]
+fn is_ordinary(ray: &Ray, size: f32, largest: f32, distance: f32) -> bool {
+    let in_sizes = size * (0.5 * FARTHEST_IN_SIZES);
+    let of_filters = 0.5 * sheared::FARTHEST;
+    // One instruction, which `f32::min` is not.
+    let farthest = if in_sizes < of_filters {
+        in_sizes
+    } else {
+        of_filters
+    };
+    sheared::DIRECTIONS.contains(&largest)
+        && distance <= farthest - size
+        && size >= SMALLEST_SIZE
+        && ray.t_min >= 0.0
+}
+
+const _: () = assert!(
+    *sheared::DIRECTIONS.start() >= *DIRECTIONS.start()
+        && *sheared::DIRECTIONS.end() <= *DIRECTIONS.end()
+        && sheared::FARTHEST <= FARTHEST,
+    "rays that filters decide of are culled"
+);
+
+/// The shift of the origin of a ray that is not ordinary, and whether filters decide of it. A call, where choices would be on the way of every ray to its first node.
+#[cold]
+#[inline(never)]
+fn of_unusual_ray(ray: &Ray, size: f32, largest: f32, distance: f32, shift: f32) -> (f32, bool) {
+    let farthest = farthest(size, distance);
+    // What is not in these ranges, NaN included, culls nothing.
+    let culls = DIRECTIONS.contains(&largest)
+        && size >= SMALLEST_SIZE
+        && farthest <= FARTHEST
+        && farthest <= size * FARTHEST_IN_SIZES;
+    let shift = if !culls {
+        f32::INFINITY
+    } else if ray.t_min < 0.0 {
+        shift + SHIFT_BEHIND * farthest
+    } else {
+        shift
+    };
+    let filters_decide = sheared::DIRECTIONS.contains(&largest) && farthest <= sheared::FARTHEST;
+    (shift, filters_decide)
+}
+
+/// The first axis with a bit, of which there is one.
+#[inline(always)]
+const fn first_axis(bits: u32) -> Axis {
+    match bits.trailing_zeros() {
+        0 => Axis::X,
+        1 => Axis::Y,
+        _ => Axis::Z,
     }
 }
 

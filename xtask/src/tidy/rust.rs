@@ -23,6 +23,7 @@ const UNSAFE_FILES: &[&str] = &[
     "crates/bvh/src/filling.rs",
     "crates/bvh/src/huge_pages.rs",
     "crates/bvh/src/wide/access.rs",
+    "crates/bvh/src/wide/plane_order.rs",
     "crates/bvh/src/wide/stack.rs",
     "crates/geometry/src/simd/x86.rs",
     // An allocator that counts, for a test.

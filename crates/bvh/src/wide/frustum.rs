@@ -4,6 +4,7 @@ use tahko_geometry::PacketBounds;
 use tahko_geometry::simd::{Lanes, Simd};
 
 use super::node::Node;
+use super::plane_order::PlaneOrder;
 
 /// What bounds the rays of a packet.
 pub(super) struct Frustum<S: Simd> {
@@ -12,7 +13,7 @@ pub(super) struct Frustum<S: Simd> {
     origins: [[S::F32s; 2]; 3],
     /// By axis, for near and far planes: the smallest and the largest reciprocal.
     reciprocals: [[[S::F32s; 2]; 2]; 3],
-    negative: [bool; 3],
+    order: PlaneOrder,
 }
 
 impl<S: Simd> Frustum<S> {
@@ -31,7 +32,7 @@ impl<S: Simd> Frustum<S> {
                 pairs(simd, bounds.reciprocals[1]),
                 pairs(simd, bounds.reciprocals[2]),
             ],
-            negative: [1, 2, 4].map(|bit| negative & bit != 0),
+            order: PlaneOrder::new(negative),
         }
     }
 
@@ -39,7 +40,7 @@ impl<S: Simd> Frustum<S> {
     #[inline(always)]
     pub(super) fn clip<N: Node>(&self, node: &N, t_max: f32) -> (Lanes, u32) {
         let simd = self.simd;
-        let planes = |axis: usize| node.planes(simd, axis, u32::from(self.negative[axis]));
+        let planes = |axis: usize| node.planes(simd, axis, &self.order);
         let [x, y, z] = [planes(0), planes(1), planes(2)];
         let near = |planes: S::F32s, axis: usize| {
             let [a, b] = self.places(planes, axis, 0);

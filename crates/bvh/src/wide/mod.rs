@@ -12,6 +12,7 @@ mod nodes;
 mod order;
 mod packet;
 mod packets;
+mod plane_order;
 mod quantised;
 mod slabs;
 mod stack;

@@ -4,6 +4,8 @@ use tahko_geometry::Aabb;
 use tahko_geometry::glam::Vec3;
 use tahko_geometry::simd::{LANES, Lanes, Simd};
 
+use super::plane_order::PlaneOrder;
+
 /// What searches read of a node, whatever its format.
 pub(crate) trait Node: Copy {
     /// The cache lines that a node lies in, two or four, in bytes.
@@ -12,9 +14,8 @@ pub(crate) trait Node: Copy {
     /// Where the children are; nothing for lanes that are not used.
     fn lanes(&self) -> &[Child; LANES];
 
-    /// The planes of the children's boxes across an axis: those with the smallest coordinates and those with the largest; the other way round for a ray that
-    /// goes in the negative direction, as the lowest bit of `negative` says, so that those come first which it meets first.
-    fn planes<S: Simd>(&self, simd: S, axis: usize, negative: u32) -> [S::F32s; 2];
+    /// The planes of the children's boxes across an axis: those that a ray meets first, and the others.
+    fn planes<S: Simd>(&self, simd: S, axis: usize, order: &PlaneOrder) -> [S::F32s; 2];
 
     /// A plane of a child's box across an axis: the smallest coordinate for an even `side`, the largest for an odd one.
     fn child_plane(&self, axis: usize, side: u32, lane: usize) -> f32;
@@ -113,11 +114,9 @@ impl Node for WideNode {
     }
 
     #[inline(always)]
-    fn planes<S: Simd>(&self, simd: S, axis: usize, negative: u32) -> [S::F32s; 2] {
-        let first = (negative & 1) as usize;
-        let second = first ^ 1;
-        let planes = &self.bounds[axis];
-        [simd.load(&planes[first]), simd.load(&planes[second])]
+    fn planes<S: Simd>(&self, simd: S, axis: usize, order: &PlaneOrder) -> [S::F32s; 2] {
+        let [first, last] = order.of_axis(&self.bounds, axis);
+        [simd.load(first), simd.load(last)]
     }
 
     #[inline(always)]

@@ -1,7 +1,9 @@
 //! The order in which a ray visits the children of a node.
 
+use std::borrow::Borrow;
+
 use tahko_geometry::HitCollector;
-use tahko_geometry::simd::{LANES, Simd};
+use tahko_geometry::simd::{LANES, Lanes, Simd};
 
 use super::Child;
 use super::access::View;
@@ -10,11 +12,11 @@ use super::stack::{Entry, Stack};
 
 /// Of at least one child that the ray hits, the one that it enters first; the others are pushed, the farthest one first. Where it enters them is asked for if there are several.
 #[inline(always)]
-pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node>(
+pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node, L: Borrow<Lanes>>(
     bvh: View<'_, N>,
     simd: S,
     node: &N,
-    starts: impl FnOnce() -> [f32; LANES],
+    starts: impl FnOnce() -> L,
     hits: u32,
     stack: &mut Stack<'_>,
 ) -> Child {
@@ -30,7 +32,8 @@ pub(super) fn nearest_child<S: Simd, H: HitCollector, N: Node>(
         return children[first];
     }
     let starts = starts();
-    let entry = |lane: usize| Entry::new(children[lane], starts[lane]);
+    let starts: &Lanes = starts.borrow();
+    let entry = |lane: usize| Entry::new(children[lane], starts.0[lane]);
     let a = entry(first);
     let b = entry(lane(rest));
     let rest = rest & (rest - 1);

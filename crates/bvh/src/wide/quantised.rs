@@ -16,6 +16,7 @@
 use tahko_geometry::simd::{LANES, Simd};
 
 use super::node::Node;
+use super::plane_order::PlaneOrder;
 use super::{Child, WideNode};
 
 /// The boxes of up to eight children in steps of a grid, and where they are: 96 bytes, always in two cache lines.
@@ -54,15 +55,13 @@ impl Node for QuantisedNode {
     }
 
     #[inline(always)]
-    fn planes<S: Simd>(&self, simd: S, axis: usize, negative: u32) -> [S::F32s; 2] {
+    fn planes<S: Simd>(&self, simd: S, axis: usize, order: &PlaneOrder) -> [S::F32s; 2] {
         let grid = self.grid(axis);
         let (origin, step) = (simd.splat(grid.origin), simd.splat(grid.step()));
         // Rounded once or twice, as levels have it: the product is exact.
         let place = |steps: &[u8; LANES]| simd.mul_add(simd.load_u8(steps), step, origin);
-        let first = (negative & 1) as usize;
-        let second = first ^ 1;
-        let planes = &self.planes[axis];
-        [place(&planes[first]), place(&planes[second])]
+        let [first, last] = order.of_axis(&self.planes, axis);
+        [place(first), place(last)]
     }
 
     /// Boxes end at the largest number where the planes are at infinity.

@@ -4,27 +4,27 @@ use tahko_geometry::simd::Simd;
 use tahko_geometry::{FusedRay, FusedSlabs};
 
 use super::node::Node;
+use super::plane_order::PlaneOrder;
 
 /// What the boxes of nodes are tested with, in registers.
-pub(super) struct Slabs<S: Simd> {
+pub(super) struct Slabs<'a, S: Simd> {
     simd: S,
     /// By axis: reciprocals and offsets of near planes, then of far planes.
     near: [[S::F32s; 2]; 3],
     far: [[S::F32s; 2]; 3],
-    /// Bit `i` for axis `i`: whether the direction is negative.
-    negative: u32,
+    order: &'a PlaneOrder,
     t_min: S::F32s,
 }
 
-impl<S: Simd> Slabs<S> {
+impl<'a, S: Simd> Slabs<'a, S> {
     /// The ray is read from memory, into all lanes: the place of each of its numbers is all that has to be known for that.
     #[inline(always)]
-    pub(super) fn new(simd: S, ray: &FusedRay) -> Self {
+    pub(super) fn new(simd: S, ray: &FusedRay, order: &'a PlaneOrder) -> Self {
         Self {
             simd,
             near: splat(simd, &ray.near),
             far: splat(simd, &ray.far),
-            negative: ray.negative,
+            order,
             t_min: simd.splat(ray.t_min),
         }
     }
@@ -45,7 +45,7 @@ impl<S: Simd> Slabs<S> {
     /// Where the ray meets the planes across an axis: those that it meets first, and the others.
     #[inline(always)]
     fn planes<N: Node>(&self, node: &N, axis: usize) -> (S::F32s, S::F32s) {
-        let [near, far] = node.planes(self.simd, axis, self.negative >> axis);
+        let [near, far] = node.planes(self.simd, axis, self.order);
         let t = |[reciprocal, offset]: [S::F32s; 2], places: S::F32s| {
             self.simd.mul_add(places, reciprocal, offset)
         };

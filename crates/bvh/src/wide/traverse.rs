@@ -21,6 +21,7 @@ use super::batch::Batch;
 use super::leaf::Leaf;
 use super::node::Node;
 use super::order::nearest_child;
+use super::plane_order::PlaneOrder;
 use super::slabs::Slabs;
 use super::stack::Stack;
 use super::{Child, Kind};
@@ -173,7 +174,9 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> Way<'_, K
             // Nodes have a loop of their own, without calls: what they are tested with stays in registers. It is read anew after a leaf. Without the box
             // the compiler would know the registers' contents from before and save them around the call, which is as much to read, and as much again to write.
             let limit = simd.splat(t_max);
-            let slabs = Slabs::new(simd, black_box(fused));
+            let fused = black_box(fused);
+            let order = PlaneOrder::new(fused.negative);
+            let slabs = Slabs::new(simd, fused, &order);
             let first_block = loop {
                 counter.node_visit();
                 let index = match current.kind() {
@@ -187,11 +190,11 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> Way<'_, K
                 let nearest = if hits == 0 {
                     stack.pop_before::<H>(t_max)
                 } else {
-                    Some(nearest_child::<S, H, N>(
+                    Some(nearest_child::<S, H, N, _>(
                         bvh,
                         simd,
                         node,
-                        || simd.store(start).0,
+                        || simd.store(start),
                         hits,
                         &mut stack,
                     ))

@@ -20,6 +20,7 @@ use super::batch::Batch;
 use super::leaf::Left;
 use super::node::Node;
 use super::order::nearest_child;
+use super::plane_order::PlaneOrder;
 use super::slabs::Slabs;
 use super::stack::{Entry, Stack};
 use super::{Child, Kind};
@@ -176,7 +177,8 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         match self.child.kind() {
             Kind::Inner(index) => {
                 let node = bvh.node(index);
-                let slabs = Slabs::new(simd, &self.fused);
+                let order = PlaneOrder::known(self.fused.negative);
+                let slabs = Slabs::new(simd, &self.fused, order);
                 let (start, hits) = slabs.clip(node, simd.splat(self.t_max));
                 self.starts = simd.store(start);
                 self.hits = simd.bits(hits);
@@ -200,8 +202,8 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
             match self.child.kind() {
                 Kind::Inner(index) => {
                     let node = bvh.node(index);
-                    let starts = || self.starts.0;
-                    Some(nearest_child::<S, H, N>(
+                    let starts = || &self.starts;
+                    Some(nearest_child::<S, H, N, _>(
                         bvh,
                         simd,
                         node,

@@ -9,11 +9,13 @@
 //! **Rays that start on a surface** are so close to it that its triangle looks like a hit at a `t` around zero. Where such a triangle may be hit, it is seen first whether its
 //! [plane is behind](super::behind).
 
+use glam::Vec3;
+
 use super::behind::behind;
 use super::block::{BlockFilter, BlockTest, BlockVerdict};
 use super::one_ray::{BeforeRay, RayAlongAxis, limits};
 use super::rays::{RayOfLane, RaysAlongAxis, RaysFilter};
-use super::sheared::{DIRECTIONS, FARTHEST, Limits, Seen, Sight, T_ERROR, TINY_T, first_t};
+use super::sheared::{Limits, Seen, Sight, T_ERROR, TINY_T, first_t};
 use crate::simd::Simd;
 use crate::{Axis, FusedRay, Ray, RayLanes, TriangleBlock};
 
@@ -23,18 +25,15 @@ const TINY_SUM: f32 = f32::MIN_POSITIVE;
 /// A ray prepared for the filter of the exact kernels: it is sheared onto the axis of its largest direction component.
 #[derive(Clone, Copy, Debug)]
 pub struct ExactBlockFilter {
+    /// Copied as it is: numbers that are written one by one and copied as a vector would be waited for.
+    ray: Ray,
     /// What it is sheared onto.
     z: Axis,
-    // Arrays: an index into a vector would be a branch, and often mispredicted.
-    origin: [f32; 3],
-    direction: [f32; 3],
     minus_reciprocal: f32,
     /// The size of the largest direction component, and some roundings.
     along: f32,
-    t_min: f32,
     /// What a computed `t` may be for an exact one from `t_min` on.
     first_t: f32,
-    t_max: f32,
     decides: bool,
 }
 
@@ -43,21 +42,15 @@ impl BlockFilter for ExactBlockFilter {
 
     #[inline(always)]
     fn new(ray: &Ray, fused: &FusedRay) -> Self {
-        let z = Axis::dominant(ray.direction);
-        let direction: &[f32; 3] = ray.direction.as_ref();
         let reciprocal: &[f32; 4] = fused.reciprocal.as_ref();
-        let along = fused.largest;
         Self {
-            z,
-            origin: *ray.origin.as_ref(),
-            direction: *direction,
+            ray: *ray,
+            z: fused.axis,
             // The largest component is not clamped.
-            minus_reciprocal: -reciprocal[z as usize],
-            along: along * (1.0 + T_ERROR),
-            t_min: ray.t_min,
+            minus_reciprocal: -reciprocal[fused.axis as usize],
+            along: fused.largest * (1.0 + T_ERROR),
             first_t: first_t(ray.t_min),
-            t_max: ray.t_max,
-            decides: DIRECTIONS.contains(&along) && fused.farthest <= FARTHEST,
+            decides: fused.filters_decide,
         }
     }
 }
@@ -75,12 +68,12 @@ impl RayAlongAxis for ExactBlockFilter {
 
     #[inline(always)]
     fn origin(&self, axis: Axis) -> f32 {
-        self.origin[axis as usize]
+        component(&self.ray.origin, axis)
     }
 
     #[inline(always)]
     fn direction(&self, axis: Axis) -> f32 {
-        self.direction[axis as usize]
+        component(&self.ray.direction, axis)
     }
 
     #[inline(always)]
@@ -95,7 +88,7 @@ impl RayAlongAxis for ExactBlockFilter {
 
     #[inline(always)]
     fn t_min(&self) -> f32 {
-        self.t_min
+        self.ray.t_min
     }
 
     #[inline(always)]
@@ -105,8 +98,15 @@ impl RayAlongAxis for ExactBlockFilter {
 
     #[inline(always)]
     fn t_max(&self) -> f32 {
-        self.t_max
+        self.ray.t_max
     }
+}
+
+/// As of an array: an index into a vector is a branch, and often mispredicted.
+#[inline(always)]
+fn component(vector: &Vec3, axis: Axis) -> f32 {
+    let components: &[f32; 3] = vector.as_ref();
+    components[axis as usize]
 }
 
 /// A ray is tested the same way whether it was prepared alone or with others.

@@ -28,7 +28,7 @@ mod moller_trumbore;
 mod one_ray;
 mod rays;
 mod reach_block;
-mod sheared;
+pub(crate) mod sheared;
 mod terms;
 mod woop;
 

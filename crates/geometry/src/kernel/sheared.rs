@@ -35,9 +35,9 @@ pub(super) const T_ERROR: f32 = 16.0 / (1u32 << 24) as f32;
 /// More than underflow can take from a `t`, which is `2^-140`, and not a denormal number, with which some processors are slow.
 pub(super) const TINY_T: f32 = 1.0 / (1u128 << 120) as f32;
 /// The range of the direction components in which filters decide: of that along the axis from the one on, of the largest up to the other.
-pub(super) const DIRECTIONS: RangeInclusive<f32> = 1.0 / (1u32 << 30) as f32..=(1u32 << 20) as f32;
+pub(crate) const DIRECTIONS: RangeInclusive<f32> = 1.0 / (1u32 << 30) as f32..=(1u32 << 20) as f32;
 /// The largest distance at which filters decide.
-pub(super) const FARTHEST: f32 = (1u32 << 30) as f32;
+pub(crate) const FARTHEST: f32 = (1u32 << 30) as f32;
 
 /// What vertices are projected with.
 pub(super) struct Shear<S: Simd> {

@@ -14,7 +14,9 @@ impl WithSimd for Loaded<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
         [0, 1, 2].map(|axis| {
-            let planes = self.0.planes(simd, axis, u32::from(self.1));
+            let planes = self
+                .0
+                .planes(simd, axis, &PlaneOrder::new(if self.1 { 7 } else { 0 }));
             planes.map(|planes| simd.store(planes))
         })
     }
