@@ -112,7 +112,7 @@ pub use fused_ray::{
 };
 pub use glam;
 pub use kernel::{
-    BlockFilter, BlockTest, BlockVerdict, Exact, MollerTrumbore, Precision, RaysFilter,
+    BlockFilter, BlockTest, BlockVerdict, Candidates, Exact, MollerTrumbore, Precision, RaysFilter,
     TriangleHit, TriangleKernel, Woop,
 };
 pub use mesh::{DroppedTriangle, MeshError, TriangleMesh};
@@ -120,8 +120,8 @@ pub use plane::{Plane, Side};
 pub use polygon::{Polygon, PolygonError, Split};
 pub use query::{
     AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, RaySearch,
-    RaysFilterOf, RungCounts, TraversalCounter, Traverse, test_block, test_possible, test_rays,
-    test_triangle,
+    RaysFilterOf, RungCounts, TraversalCounter, Traverse, test_block, test_candidates,
+    test_possible, test_rays, test_triangle,
 };
 pub use ray::Ray;
 pub use statistics::{ExpectedVisits, TreeStatistics};

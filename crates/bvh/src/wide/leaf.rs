@@ -1,12 +1,14 @@
 //! The test of a ray against the triangles of a leaf.
 
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
 use tahko_geometry::kernel::BlockTest;
 use tahko_geometry::predicate::Rung;
 use tahko_geometry::simd::{Simd, WithSimd};
 use tahko_geometry::{
-    HitCollector, Ray, TraversalCounter, TriangleBlock, TriangleKernel, test_block, test_possible,
+    Candidates, HitCollector, Ray, TraversalCounter, TriangleBlock, TriangleKernel, test_block,
+    test_candidates, test_possible,
 };
 
 /// The test of a leaf, which the first of the blocks begins.
@@ -69,6 +71,32 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> Leaf<'_, K, H, C> 
             }
         }
         ControlFlow::Continue(())
+    }
+}
+
+/// The test of the triangles of a block that may be hit, in search of the closest hit.
+pub(super) struct Nearer<'a, K, H, C> {
+    pub(super) block: &'a TriangleBlock,
+    /// There is at least one.
+    pub(super) candidates: Candidates,
+    pub(super) ray: &'a Ray,
+    pub(super) kernel: PhantomData<K>,
+    pub(super) collector: &'a mut H,
+    pub(super) counter: &'a mut C,
+}
+
+impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Nearer<'_, K, H, C> {
+    type Output = ControlFlow<()>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _simd: S) -> ControlFlow<()> {
+        test_candidates::<K, H, C>(
+            self.ray,
+            self.block,
+            self.candidates,
+            self.collector,
+            self.counter,
+        )
     }
 }
 

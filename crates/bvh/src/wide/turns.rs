@@ -9,15 +9,16 @@
 //!
 //! Each ray visits the nodes that it would visit alone, in the same order.
 
+use std::marker::PhantomData;
 use std::ops::ControlFlow;
 
 use tahko_geometry::kernel::{BlockFilter, BlockTest};
 use tahko_geometry::simd::{Lanes, Simd, WithSimd};
-use tahko_geometry::{FusedRay, HitCollector, Ray, TriangleKernel};
+use tahko_geometry::{Candidates, FusedRay, HitCollector, Ray, TriangleBlock, TriangleKernel};
 
 use super::access::View;
 use super::batch::Batch;
-use super::leaf::Left;
+use super::leaf::{Left, Nearer};
 use super::node::Node;
 use super::order::nearest_child;
 use super::plane_order::PlaneOrder;
@@ -44,6 +45,8 @@ struct Flight<'a, K: TriangleKernel, H> {
     child: Child,
     /// Lanes whose boxes the ray enters, or whose triangles it may hit; as of the last visit.
     hits: u32,
+    /// Lanes whose triangles its line meets for certain.
+    met: u32,
     /// Where it enters the boxes.
     starts: Lanes,
     stack: Stack<'a>,
@@ -130,6 +133,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
             collector: H::new(ray),
             t_max: ray.t_max,
             hits: 0,
+            met: 0,
             starts: Lanes::splat(0.0),
             child: bvh.root,
             stack,
@@ -185,12 +189,41 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
             }
             Kind::Leaf(index) => {
                 let block = bvh.block(index);
-                self.hits = self.filter.possible(simd, block, self.t_max);
+                let Candidates { possible, met } = self.filter.candidates(simd, block, self.t_max);
+                self.hits = possible;
+                self.met = met;
                 // Whatever is closer by then, it begins before that.
                 let next = Entry::new(Child::leaf(index + 1), f32::NEG_INFINITY);
                 self.stack.push_if(block.continues(), next);
             }
         }
+    }
+
+    /// Tests what may be hit of a block.
+    #[inline(always)]
+    fn test<S: Simd>(&mut self, simd: S, block: &TriangleBlock) -> ControlFlow<()> {
+        if H::ORDERED {
+            let candidates = Candidates {
+                possible: self.hits,
+                met: self.met,
+            };
+            return simd.outline(Nearer::<K, H, ()> {
+                block,
+                candidates,
+                ray: self.ray,
+                kernel: PhantomData,
+                collector: &mut self.collector,
+                counter: &mut (),
+            });
+        }
+        simd.outline(Left::<K, H, ()> {
+            block,
+            possible: self.hits,
+            ray: self.ray,
+            filter: &self.filter,
+            collector: &mut self.collector,
+            counter: &mut (),
+        })
     }
 
     /// Finds what comes next after a visit. `Break` at the end of the search.
@@ -214,14 +247,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
                 }
                 Kind::Leaf(index) => {
                     let block = bvh.block(index);
-                    simd.outline(Left::<K, H, ()> {
-                        block,
-                        possible: self.hits,
-                        ray: self.ray,
-                        filter: &self.filter,
-                        collector: &mut self.collector,
-                        counter: &mut (),
-                    })?;
+                    self.test(simd, block)?;
                     self.t_max = self.collector.t_max();
                     self.stack.pop_before::<H>(self.t_max)
                 }

@@ -12,9 +12,14 @@ pub trait BlockTest {
     /// What can be said of a block's triangles: `None` if the kernel accepts none of them with `t`, rounded, up to `t_max`.
     fn test<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Option<BlockVerdict>;
 
-    /// A bit for each lane whose triangle the kernel may accept with `t`, rounded, up to `t_max`; it accepts none of the others. There is no branch on what is found: for callers who
-    /// have other work until it is known.
-    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32;
+    /// The triangles that the kernel may accept with `t`, rounded, up to `t_max`. There is no branch on what is found: for callers who have other work until it is known.
+    fn candidates<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Candidates;
+
+    /// A bit for each lane whose triangle is one of the [candidates](Self::candidates).
+    #[inline(always)]
+    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
+        self.candidates(simd, block, t_max).possible
+    }
 
     /// What [`test`](Self::test) says of some lanes that [are left](Self::possible).
     fn judge<S: Simd>(
@@ -33,6 +38,23 @@ pub trait BlockFilter: BlockTest + Copy {
 
     /// Prepares a valid ray for triangles inside the bounds that the fused ray was made for.
     fn new(ray: &Ray, fused: &FusedRay) -> Self;
+}
+
+/// The triangles of a block that may be hit.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Candidates {
+    /// A bit for each lane whose triangle may be hit; the others are certainly not.
+    pub possible: u32,
+    /// A bit for some lanes whose triangles the line of the ray meets for certain, at whatever `t`. Lanes that are not possible may have one.
+    pub met: u32,
+}
+
+impl Candidates {
+    /// Candidates of which nothing more is known.
+    #[inline(always)]
+    pub(super) const fn undecided(possible: u32) -> Self {
+        Self { possible, met: 0 }
+    }
 }
 
 /// What is known of the triangles of a block that may be hit by a ray; or of the rays that may hit a triangle, a lane for each ray.

@@ -131,6 +131,24 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     }
 
     #[inline(always)]
+    fn intersect_met<C: TraversalCounter>(
+        ray: &Ray,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        if let Some(hit) = certain_hit(ray, triangle)
+            && hit.t != ray.t_min
+            && hit.t != ray.t_max
+        {
+            counter.decisions(Rung::F64, 1);
+            return (ray.t_min < hit.t && hit.t <= t_max).then_some(hit);
+        }
+        let triangle = *triangle;
+        Self::new(ray).intersect_in_f64(&triangle, t_max, counter)
+    }
+
+    #[inline(always)]
     fn intersect_certain_lanes<S: Simd>(
         simd: S,
         rays: &RayLanes,

@@ -12,7 +12,7 @@
 use glam::Vec3;
 
 use super::behind::behind;
-use super::block::{BlockFilter, BlockTest, BlockVerdict};
+use super::block::{BlockFilter, BlockTest, BlockVerdict, Candidates};
 use super::one_ray::{BeforeRay, RayAlongAxis, limits};
 use super::rays::{RayOfLane, RaysAlongAxis, RaysFilter};
 use super::sheared::{Limits, Seen, Sight, T_ERROR, TINY_T, first_t};
@@ -121,9 +121,9 @@ impl<R: RayAlongAxis> BlockTest for R {
     }
 
     #[inline(always)]
-    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
+    fn candidates<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Candidates {
         if !self.decides() {
-            return block.used();
+            return Candidates::undecided(block.used());
         }
         let sight = BeforeRay::new(simd, self, block);
         ahead(simd, &sight, &limits(simd, self, t_max))
@@ -200,13 +200,27 @@ fn verdict<S: Simd>(simd: S, sight: &impl Sight<S>, limits: &Limits<S>) -> Optio
 
 /// The lanes that may be hit in the interval, and of which the plane is not behind a ray that begins at its origin or later. Without a branch on what is found.
 #[inline(always)]
-fn ahead<S: Simd>(simd: S, sight: &impl Sight<S>, limits: &Limits<S>) -> u32 {
+fn ahead<S: Simd>(simd: S, sight: &impl Sight<S>, limits: &Limits<S>) -> Candidates {
     let seen = Seen::new(simd, sight);
-    let possible = possible(simd, &seen, limits);
-    if !limits.is_ahead {
-        return possible;
+    let mut possible = possible(simd, &seen, limits);
+    if limits.is_ahead {
+        possible &= !behind(simd, &seen, sight);
     }
-    possible & !behind(simd, &seen, sight)
+    Candidates {
+        possible,
+        met: simd.bits(is_met(simd, &seen)),
+    }
+}
+
+/// The lanes whose triangles the line of the ray meets for certain: all weights have one sign.
+#[inline(always)]
+fn is_met<S: Simd>(simd: S, seen: &Seen<S>) -> S::Mask {
+    let below = simd.sub(simd.splat(0.0), seen.error);
+    let has_sign = simd.or(
+        simd.lt(seen.error, seen.smallest),
+        simd.lt(seen.largest, below),
+    );
+    simd.and(has_sign, seen.is_sharp(simd))
 }
 
 /// The lanes that may be hit in the interval.
@@ -243,9 +257,7 @@ fn decided<S: Simd>(
     possible: u32,
 ) -> Option<BlockVerdict> {
     let error = seen.error;
-    let below = simd.sub(simd.splat(0.0), error);
-    let has_sign = simd.or(simd.lt(error, seen.smallest), simd.lt(seen.largest, below));
-    let is_certain = simd.and(has_sign, seen.is_sharp(simd));
+    let is_certain = is_met(simd, seen);
     // One division, whose sign the second use does not want.
     let reciprocal = simd.div(simd.splat(1.0), seen.determinant(simd));
     let t = simd.mul(seen.weighted_t(simd), reciprocal);

@@ -32,7 +32,7 @@ pub(crate) mod sheared;
 mod terms;
 mod woop;
 
-pub use block::{BlockFilter, BlockTest, BlockVerdict};
+pub use block::{BlockFilter, BlockTest, BlockVerdict, Candidates};
 pub use exact::{Exact, ExactCrossing, Ladder};
 pub use exact_block::{ExactBlockFilter, ExactRaysFilter};
 pub use lanes::{HitLanes, VertexLanes};
@@ -179,7 +179,18 @@ pub trait TriangleKernel: Copy {
         self.intersect(triangle, f32::INFINITY, counter)
     }
 
-    /// The same for eight rays and a triangle of each, which it certainly hits, as far as it is quickly known. What is in lanes without a hit does not matter.
+    /// [`intersect_filtered`](Self::intersect_filtered) for a triangle that the line of the ray [meets for certain](Candidates::met).
+    #[inline]
+    fn intersect_met<C: TraversalCounter>(
+        ray: &Ray,
+        triangle: &Triangle,
+        t_max: f32,
+        counter: &mut C,
+    ) -> Option<TriangleHit> {
+        Self::new(ray).intersect_filtered(triangle, t_max, counter)
+    }
+
+    /// [`intersect_certain`](Self::intersect_certain) for eight rays and a triangle of each, which it certainly hits, as far as it is quickly known. What is in lanes without a hit does not matter.
     #[inline(always)]
     fn intersect_certain_lanes<S: Simd>(
         _simd: S,

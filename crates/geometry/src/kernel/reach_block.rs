@@ -10,7 +10,7 @@
 //!
 //! What the filter lets through is tested by the kernel itself: its own decisions do not change.
 
-use super::block::{BlockFilter, BlockTest, BlockVerdict};
+use super::block::{BlockFilter, BlockTest, BlockVerdict, Candidates};
 use super::confirm;
 use super::exact_block::ExactBlockFilter;
 use super::one_ray::{BeforeRay, RayAlongAxis, limits};
@@ -51,14 +51,14 @@ impl<R: RayAlongAxis> BlockTest for WithinReach<R> {
     }
 
     #[inline(always)]
-    fn possible<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> u32 {
+    fn candidates<S: Simd>(&self, simd: S, block: &TriangleBlock, t_max: f32) -> Candidates {
         let Self(ray) = self;
         if !ray.decides() {
-            return block.used();
+            return Candidates::undecided(block.used());
         }
         let reciprocal = simd.splat(ray.minus_reciprocal().abs());
         let seen = Seen::new(simd, &BeforeRay::new(simd, ray, block));
-        possible(simd, &seen, reciprocal, &limits(simd, ray, t_max))
+        Candidates::undecided(possible(simd, &seen, reciprocal, &limits(simd, ray, t_max)))
     }
 
     #[inline(always)]

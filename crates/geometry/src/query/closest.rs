@@ -66,6 +66,7 @@ impl ClosestHit {
         }
     }
 
+    #[inline(always)]
     fn keep_known(&mut self, hit: &Hit) {
         self.best = Best::Known;
         self.primitive = hit.primitive;
@@ -122,6 +123,18 @@ impl ClosestHit {
             self,
             counter,
         )
+    }
+
+    /// For hits that do not begin before the best one.
+    #[cold]
+    #[inline(never)]
+    fn collect_behind<K: TriangleKernel, C: TraversalCounter>(
+        &mut self,
+        ray: &Ray,
+        candidate: &Candidate<'_>,
+        counter: &mut C,
+    ) -> ControlFlow<()> {
+        self.collect(&K::new(ray), candidate, counter)
     }
 }
 
@@ -214,6 +227,30 @@ impl HitCollector for ClosestHit {
             };
             return self.collect_both::<K, C>(ray, &copy, counter);
         }
+        ControlFlow::Continue(())
+    }
+
+    #[inline(always)]
+    fn collect_known<K: TriangleKernel, C: TraversalCounter>(
+        &mut self,
+        ray: &Ray,
+        candidate: &Candidate<'_>,
+        counter: &mut C,
+    ) -> ControlFlow<()> {
+        let is_ignored = self.ignored == Some(candidate.primitive);
+        if is_ignored || candidate.hit.t >= self.t.start {
+            // Copies, as above.
+            let (hit, triangle) = (candidate.hit, *candidate.triangle);
+            let copy = Candidate {
+                hit,
+                triangle: &triangle,
+                ..*candidate
+            };
+            return self.collect_behind::<K, C>(ray, &copy, counter);
+        }
+        counter.decisions(Rung::F32, u64::from(self.best == Best::Certain));
+        self.keep_known(&candidate.hit());
+        self.vertices = candidate.triangle.vertices().map(Vec3A::from);
         ControlFlow::Continue(())
     }
 

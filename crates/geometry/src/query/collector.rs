@@ -97,6 +97,17 @@ pub trait HitCollector: Sized {
         )
     }
 
+    /// [`collect`](Self::collect) where there is no kernel yet: most hits do without.
+    #[inline]
+    fn collect_known<K: TriangleKernel, C: TraversalCounter>(
+        &mut self,
+        ray: &Ray,
+        candidate: &Candidate<'_>,
+        counter: &mut C,
+    ) -> ControlFlow<()> {
+        self.collect(&K::new(ray), candidate, counter)
+    }
+
     /// What the search found, after all that was put off.
     fn finish<K: TriangleKernel, C: TraversalCounter>(
         &mut self,

@@ -14,7 +14,9 @@ pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 pub use packet::{RaySearch, RaysFilterOf, test_rays};
 
-use crate::kernel::{BlockTest, BlockVerdict, Exact, ExactCrossing, MollerTrumbore, Woop};
+use crate::kernel::{
+    BlockTest, BlockVerdict, Candidates, Exact, ExactCrossing, MollerTrumbore, Woop,
+};
 use crate::predicate::Rung;
 use crate::simd::{Simd, lanes_of};
 use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleHit, TriangleKernel};
@@ -344,6 +346,34 @@ pub fn test_possible<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCo
         Some(verdict) => offer_all::<K, H, C>(ray, block, &verdict, collector, counter),
         None => ControlFlow::Continue(()),
     }
+}
+
+/// Tests the [candidates](BlockTest::candidates) of a block, of which there is at least one, and offers the hits to the collector: each is known then, and the search has less to do at its end.
+#[inline(always)]
+pub fn test_candidates<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+    ray: &Ray,
+    block: &TriangleBlock,
+    candidates: Candidates,
+    collector: &mut H,
+    counter: &mut C,
+) -> ControlFlow<()> {
+    for lane in lanes_of(candidates.possible) {
+        let (triangle, primitive) = (block.triangle(lane), block.used_number(lane));
+        if candidates.met >> lane & 1 != 0 {
+            let hit = K::intersect_met(ray, &triangle, collector.t_max(), counter);
+            if let Some(hit) = hit {
+                let candidate = Candidate {
+                    primitive,
+                    triangle: &triangle,
+                    hit,
+                };
+                collector.collect_known::<K, C>(ray, &candidate, counter)?;
+            }
+        } else {
+            test_filtered(&K::new(ray), &triangle, primitive, collector, counter)?;
+        }
+    }
+    ControlFlow::Continue(())
 }
 
 /// Offers the hits among the triangles of a block to the collector.

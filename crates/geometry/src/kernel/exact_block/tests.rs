@@ -30,7 +30,7 @@ impl<F: BlockFilter> WithSimd for Test<'_, F> {
 struct InSteps<'a, F>(Test<'a, F>);
 
 impl<F: BlockFilter> WithSimd for InSteps<'_, F> {
-    type Output = (u32, Option<BlockVerdict>);
+    type Output = (Candidates, Option<BlockVerdict>);
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
@@ -39,11 +39,14 @@ impl<F: BlockFilter> WithSimd for InSteps<'_, F> {
             block,
             t_max,
         }) = self;
+        let candidates = filter.candidates(simd, block, t_max);
         let possible = filter.possible(simd, block, t_max);
+        assert_eq!(candidates.possible, possible, "asked in two ways");
         if possible == 0 {
-            return (0, None);
+            return (candidates, None);
         }
-        (possible, filter.judge(simd, block, t_max, possible))
+        let judged = filter.judge(simd, block, t_max, possible);
+        (candidates, judged)
     }
 }
 
@@ -72,7 +75,7 @@ fn in_steps<F: BlockFilter>(
     ray: &Ray,
     triangles: &[Triangle],
     t_max: f32,
-) -> (u32, Option<BlockVerdict>) {
+) -> (Candidates, Option<BlockVerdict>) {
     let block = block(triangles);
     level.dispatch(InSteps(Test {
         filter: filter::<F>(ray, triangles),
@@ -131,12 +134,56 @@ pub(in crate::kernel) fn check_lane(
     Ok(())
 }
 
+/// Checks a triangle that the line of a ray meets for certain, as the filter says: it does, and what follows of that is what the kernels find without it.
+fn check_met(ray: &Ray, triangle: &Triangle, t_max: f32) -> Result<(), String> {
+    let (
+        infinity,
+        Ray {
+            origin, direction, ..
+        },
+    ) = (f32::INFINITY, *ray);
+    let line = Ray::with_interval(origin, direction, -infinity, infinity);
+    let found = [
+        Exact::new(&line)
+            .intersect(triangle, infinity, &mut ())
+            .is_some(),
+        ExactCrossing::new(&line)
+            .intersect(triangle, infinity, &mut ())
+            .is_some(),
+    ];
+    if found != [true; 2] {
+        return Err(format!("{triangle:?}: met, and no hit of the line"));
+    }
+    for t_max in [t_max, ray.t_max] {
+        let found = [
+            Exact::intersect_met(ray, triangle, t_max, &mut ()),
+            ExactCrossing::intersect_met(ray, triangle, t_max, &mut ()),
+        ];
+        let expected = [
+            Exact::new(ray).intersect(triangle, t_max, &mut ()),
+            ExactCrossing::new(ray).intersect(triangle, t_max, &mut ()),
+        ];
+        if found != expected {
+            return Err(format!(
+                "{triangle:?}: {found:?} where it is met, {expected:?}"
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Checks what the filter says of some triangles.
 fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
     for level in levels() {
         let at_once = verdict::<ExactBlockFilter>(level, ray, triangles, t_max);
-        let (possible, in_steps) = in_steps::<ExactBlockFilter>(level, ray, triangles, t_max);
+        let (candidates, in_steps) = in_steps::<ExactBlockFilter>(level, ray, triangles, t_max);
+        let Candidates { possible, met } = candidates;
         let name = level.level();
+        for (lane, triangle) in triangles.iter().enumerate() {
+            if met >> lane & 1 != 0 {
+                check_met(ray, triangle, t_max).map_err(|error| format!("{name:?}, {error}"))?;
+            }
+        }
         for verdict in [at_once, in_steps] {
             for (lane, triangle) in triangles.iter().enumerate() {
                 check_lane(ray, triangle, t_max, (verdict, lane))
@@ -146,6 +193,9 @@ fn check(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), String> {
         let outside = u32::MAX << triangles.len();
         if possible & outside != 0 {
             return Err(format!("{name:?}: unused lanes of {possible:b}"));
+        }
+        if met & outside != 0 {
+            return Err(format!("{name:?}: unused lanes of {met:b} are met"));
         }
         for verdict in [at_once, in_steps].into_iter().flatten() {
             if verdict.possible == 0
@@ -164,7 +214,11 @@ fn check_reach(ray: &Ray, triangles: &[Triangle], t_max: f32) -> Result<(), Stri
     let (fast, watertight) = (MollerTrumbore::new(ray), Woop::new(ray));
     for level in levels() {
         let verdict = verdict::<ReachBlockFilter>(level, ray, triangles, t_max);
-        let (left, in_steps) = in_steps::<ReachBlockFilter>(level, ray, triangles, t_max);
+        let (candidates, in_steps) = in_steps::<ReachBlockFilter>(level, ray, triangles, t_max);
+        let left = candidates.possible;
+        if candidates.met != 0 {
+            return Err(format!("{:?}: {candidates:?}", level.level()));
+        }
         let of = |verdict: Option<BlockVerdict>| verdict.map_or(0, |verdict| verdict.possible);
         let possible = of(verdict) & of(in_steps) & left;
         for (lane, triangle) in triangles.iter().enumerate() {
@@ -386,6 +440,10 @@ fn the_triangle_behind_a_ray_is_thrown_out_without_a_branch() {
         let ray = Ray::new(height * Vec3::Z, direction);
         for level in levels() {
             let (found, _) = in_steps::<ExactBlockFilter>(level, &ray, &[triangle], f32::INFINITY);
+            let expected = Candidates {
+                possible: expected,
+                met: 1,
+            };
             assert_eq!(found, expected, "{:?}, {height}", level.level());
         }
     }
