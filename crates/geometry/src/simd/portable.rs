@@ -14,9 +14,29 @@ impl Portable {
     }
 }
 
+/// An array of what the expression gives for each lane, written out. Functions of arrays that take a closure are several functions deep: here, where every operation of every search
+/// is made of them, they take the compiler long, and a build with little optimisation calls them lane by lane.
+macro_rules! each {
+    ([$($number:literal)*] $lane:ident => $value:expr) => {
+        [$({
+            let $lane: usize = $number;
+            $value
+        }),*]
+    };
+}
+
+macro_rules! four {
+    ($lane:ident => $value:expr) => { each!([0 1 2 3] $lane => $value) };
+}
+
+macro_rules! eight {
+    ($lane:ident => $value:expr) => { each!([0 1 2 3 4 5 6 7] $lane => $value) };
+}
+
+/// The lowest bits, from lane 0 on.
 #[inline(always)]
-fn map<const N: usize, T: Copy, R>(a: [T; N], b: [T; N], operation: impl Fn(T, T) -> R) -> [R; N] {
-    std::array::from_fn(|lane| operation(a[lane], b[lane]))
+fn bits_of([a, b, c, d, e, f, g, h]: [u32; LANES]) -> u32 {
+    a | b << 1 | c << 2 | d << 3 | e << 4 | f << 5 | g << 6 | h << 7
 }
 
 impl Doubles for Portable {
@@ -28,23 +48,23 @@ impl Doubles for Portable {
     }
     #[inline(always)]
     fn add_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
-        map(a, b, |a, b| a + b)
+        four!(lane => a[lane] + b[lane])
     }
     #[inline(always)]
     fn sub_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
-        map(a, b, |a, b| a - b)
+        four!(lane => a[lane] - b[lane])
     }
     #[inline(always)]
     fn mul_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
-        map(a, b, |a, b| a * b)
+        four!(lane => a[lane] * b[lane])
     }
     #[inline(always)]
     fn div_f64(self, a: Self::F64s, b: Self::F64s) -> Self::F64s {
-        map(a, b, |a, b| a / b)
+        four!(lane => a[lane] / b[lane])
     }
     #[inline(always)]
     fn abs_f64(self, a: Self::F64s) -> Self::F64s {
-        a.map(f64::abs)
+        four!(lane => a[lane].abs())
     }
 }
 
@@ -62,7 +82,7 @@ impl Simd for Portable {
     }
     #[inline(always)]
     fn load_u8(self, numbers: &[u8; LANES]) -> Self::F32s {
-        numbers.map(f32::from)
+        eight!(lane => f32::from(numbers[lane]))
     }
     #[inline(always)]
     fn store(self, value: Self::F32s) -> Lanes {
@@ -78,19 +98,19 @@ impl Simd for Portable {
     }
     #[inline(always)]
     fn add(self, a: Self::F32s, b: Self::F32s) -> Self::F32s {
-        map(a, b, |a, b| a + b)
+        eight!(lane => a[lane] + b[lane])
     }
     #[inline(always)]
     fn sub(self, a: Self::F32s, b: Self::F32s) -> Self::F32s {
-        map(a, b, |a, b| a - b)
+        eight!(lane => a[lane] - b[lane])
     }
     #[inline(always)]
     fn mul(self, a: Self::F32s, b: Self::F32s) -> Self::F32s {
-        map(a, b, |a, b| a * b)
+        eight!(lane => a[lane] * b[lane])
     }
     #[inline(always)]
     fn div(self, a: Self::F32s, b: Self::F32s) -> Self::F32s {
-        map(a, b, |a, b| a / b)
+        eight!(lane => a[lane] / b[lane])
     }
     // Not `f32::mul_add`: without the instruction that is a call into a library.
     #[inline(always)]
@@ -107,65 +127,68 @@ impl Simd for Portable {
     }
     #[inline(always)]
     fn min(self, a: Self::F32s, b: Self::F32s) -> Self::F32s {
-        map(a, b, |a, b| if a < b { a } else { b })
+        eight!(lane => if a[lane] < b[lane] { a[lane] } else { b[lane] })
     }
     #[inline(always)]
     fn max(self, a: Self::F32s, b: Self::F32s) -> Self::F32s {
-        map(a, b, |a, b| if a > b { a } else { b })
+        eight!(lane => if a[lane] > b[lane] { a[lane] } else { b[lane] })
     }
     #[inline(always)]
     fn abs(self, a: Self::F32s) -> Self::F32s {
-        a.map(f32::abs)
+        eight!(lane => a[lane].abs())
     }
     #[inline(always)]
     fn lt(self, a: Self::F32s, b: Self::F32s) -> Self::Mask {
-        map(a, b, |a, b| a < b)
+        eight!(lane => a[lane] < b[lane])
     }
     #[inline(always)]
     fn le(self, a: Self::F32s, b: Self::F32s) -> Self::Mask {
-        map(a, b, |a, b| a <= b)
+        eight!(lane => a[lane] <= b[lane])
     }
     #[inline(always)]
     fn and(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        map(a, b, |a, b| a & b)
+        eight!(lane => a[lane] & b[lane])
     }
     #[inline(always)]
     fn or(self, a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        map(a, b, |a, b| a | b)
+        eight!(lane => a[lane] | b[lane])
     }
     #[inline(always)]
     fn select(self, mask: Self::Mask, a: Self::F32s, b: Self::F32s) -> Self::F32s {
-        std::array::from_fn(|lane| if mask[lane] { a[lane] } else { b[lane] })
+        eight!(lane => if mask[lane] { a[lane] } else { b[lane] })
     }
     #[inline(always)]
     fn bits(self, mask: Self::Mask) -> u32 {
-        let lanes = mask.into_iter().enumerate();
-        lanes.fold(0, |bits, (lane, is_set)| bits | u32::from(is_set) << lane)
+        bits_of(eight!(lane => u32::from(mask[lane])))
     }
     #[inline(always)]
     fn sign_bits(self, a: Self::F32s) -> u32 {
-        self.bits(a.map(f32::is_sign_negative))
+        bits_of(eight!(lane => a[lane].to_bits() >> 31))
     }
     #[inline(always)]
     fn transpose(self, rows: [Self::F32s; LANES]) -> [Self::F32s; LANES] {
-        std::array::from_fn(|lane| rows.map(|row| row[lane]))
+        eight!(lane => eight!(row => rows[row][lane]))
     }
     #[inline(always)]
-    fn widen(self, [a, b, c, d, e, f, g, h]: Self::F32s) -> [Self::F64s; 2] {
-        [[a, b, c, d], [e, f, g, h]].map(|half| half.map(f64::from))
+    fn widen(self, a: Self::F32s) -> [Self::F64s; 2] {
+        [
+            four!(lane => f64::from(a[lane])),
+            four!(lane => f64::from(a[LANES / 2 + lane])),
+        ]
     }
     #[inline(always)]
-    fn narrow(self, halves: [Self::F64s; 2]) -> Self::F32s {
-        #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
-        let [[a, b, c, d], [e, f, g, h]] = halves.map(|half| half.map(|number| number as f32));
-        [a, b, c, d, e, f, g, h]
+    #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
+    fn narrow(self, [low, high]: [Self::F64s; 2]) -> Self::F32s {
+        self.halves(
+            four!(lane => low[lane] as f32),
+            four!(lane => high[lane] as f32),
+        )
     }
     #[inline(always)]
-    fn sign_bits_f64(self, halves: [Self::F64s; 2]) -> u32 {
-        let lanes = halves.into_iter().flatten().enumerate();
-        lanes.fold(0, |bits, (lane, number)| {
-            bits | u32::from(number.is_sign_negative()) << lane
-        })
+    fn sign_bits_f64(self, [low, high]: [Self::F64s; 2]) -> u32 {
+        let [a, b, c, d] = four!(lane => u32::from(low[lane].is_sign_negative()));
+        let [e, f, g, h] = four!(lane => u32::from(high[lane].is_sign_negative()));
+        bits_of([a, b, c, d, e, f, g, h])
     }
     #[inline(always)]
     fn outline<T: WithSimd>(self, algorithm: T) -> T::Output {
