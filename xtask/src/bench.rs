@@ -24,12 +24,17 @@ impl Arguments {
 
 /// Runs the benchmark program and gives its exit code.
 pub(crate) fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Result<ExitCode> {
-    let mut command = workspace.cargo();
     let peers = arguments
         .asks_for_peers()
         .then(|| BenchSettings::new(workspace));
-    complete(&mut command, arguments, peers.as_ref());
-    let status = command.status().context("cannot start cargo")?;
+    let mut build = workspace.cargo();
+    complete_build(&mut build, peers.as_ref());
+    let program = Workspace::build_program(&mut build, "tahko-bench")
+        .context("building the benchmark program")?;
+    let mut command = Command::new(program);
+    command.current_dir(&workspace.root);
+    complete_run(&mut command, arguments, peers.as_ref());
+    let status = command.status().context("cannot start the program")?;
     Ok(match status.code().map(u8::try_from) {
         Some(Ok(code)) => ExitCode::from(code),
         // Ended by a signal, or with a code that no exit code here can express.
@@ -37,18 +42,24 @@ pub(crate) fn run(workspace: &Workspace, arguments: &Arguments) -> anyhow::Resul
     })
 }
 
-fn complete(command: &mut Command, arguments: &Arguments, peers: Option<&BenchSettings>) {
-    command.args(["run", "--release", "--package", "tahko-bench"]);
+fn complete_build(build: &mut Command, peers: Option<&BenchSettings>) {
+    build.args(["build", "--release", "--bin", "tahko-bench"]);
+    // Cargo chooses the features of dependencies for all packages of a command together: with the command line program's, the libraries below both programs are the ones that
+    // its own build made.
+    build.args(["--package", "tahko-bench", "--package", "tahko-cli"]);
     if let Some(peers) = peers {
-        command
-            .args(["--features", "peers", "--target-dir"])
+        build
+            .args(["--features", "tahko-bench/peers", "--target-dir"])
             .arg(&peers.target)
             .env("RUSTFLAGS", &peers.rust_flags);
-        if let Some(embree) = &peers.embree {
-            command.env("EMBREE_LIB", embree);
-        }
     }
-    command.arg("--").args(&arguments.arguments);
+}
+
+fn complete_run(run: &mut Command, arguments: &Arguments, peers: Option<&BenchSettings>) {
+    run.args(&arguments.arguments);
+    if let Some(embree) = peers.and_then(|peers| peers.embree.as_ref()) {
+        run.env("EMBREE_LIB", embree);
+    }
 }
 
 #[cfg(test)]
@@ -57,22 +68,25 @@ mod tests {
 
     use super::*;
 
-    /// The arguments and the environment of the command for some arguments of the benchmark.
-    fn completed(arguments: &[&str], peers: Option<&BenchSettings>) -> (String, String) {
+    /// The arguments and the environment of the build and of the run, for some arguments of the benchmark.
+    fn completed(arguments: &[&str], peers: Option<&BenchSettings>) -> [(String, String); 2] {
         let arguments = Arguments {
             arguments: arguments.iter().map(OsString::from).collect(),
         };
-        let mut command = Command::new("cargo");
-        complete(&mut command, &arguments, peers);
-        let words: Vec<_> = command
-            .get_args()
-            .map(|word| word.to_string_lossy())
-            .collect();
-        let environment = command.get_envs().map(|(name, value)| {
-            let value = value.unwrap_or_default();
-            format!("{}={}", name.display(), value.display())
-        });
-        (words.join(" "), environment.collect::<Vec<_>>().join(", "))
+        let [mut build, mut run] = ["cargo", "tahko-bench"].map(Command::new);
+        complete_build(&mut build, peers);
+        complete_run(&mut run, &arguments, peers);
+        [build, run].map(|command| {
+            let words: Vec<_> = command
+                .get_args()
+                .map(|word| word.to_string_lossy())
+                .collect();
+            let environment = command.get_envs().map(|(name, value)| {
+                let value = value.unwrap_or_default();
+                format!("{}={}", name.display(), value.display())
+            });
+            (words.join(" "), environment.collect::<Vec<_>>().join(", "))
+        })
     }
 
     #[test]
@@ -85,39 +99,41 @@ mod tests {
         assert!(!asks(&["--quick", "--peers-only", "peers"]), "other words");
     }
 
+    const NORMAL: &str =
+        "build --release --bin tahko-bench --package tahko-bench --package tahko-cli";
+
+    fn with_peers(embree: Option<PathBuf>) -> BenchSettings {
+        BenchSettings {
+            target: PathBuf::from("t/native"),
+            rust_flags: "-C target-cpu=native".to_owned(),
+            embree,
+        }
+    }
+
     #[test]
     fn a_run_without_peers_uses_the_normal_build() {
-        let (words, environment) = completed(&["--quick"], None);
-        assert_eq!(words, "run --release --package tahko-bench -- --quick");
-        assert_eq!(environment, "");
+        let [(words, build), (arguments, run)] = completed(&["--quick"], None);
+        assert_eq!(words, NORMAL);
+        assert_eq!(arguments, "--quick");
+        assert_eq!([build, run], ["", ""]);
     }
 
     #[test]
     fn a_run_with_peers_has_a_build_of_its_own() {
-        let peers = BenchSettings {
-            target: PathBuf::from("t/native"),
-            rust_flags: "-C target-cpu=native".to_owned(),
-            embree: Some(PathBuf::from("libembree4.so")),
-        };
-        let (words, environment) = completed(&["--peers", "--quick"], Some(&peers));
+        let peers = with_peers(Some(PathBuf::from("libembree4.so")));
+        let [(words, build), (arguments, run)] = completed(&["--peers", "--quick"], Some(&peers));
         assert_eq!(
             words,
-            "run --release --package tahko-bench --features peers --target-dir t/native -- --peers --quick"
+            format!("{NORMAL} --features tahko-bench/peers --target-dir t/native")
         );
-        assert_eq!(
-            environment,
-            "EMBREE_LIB=libembree4.so, RUSTFLAGS=-C target-cpu=native"
-        );
+        assert_eq!(build, "RUSTFLAGS=-C target-cpu=native");
+        assert_eq!(arguments, "--peers --quick");
+        assert_eq!(run, "EMBREE_LIB=libembree4.so");
     }
 
     #[test]
     fn a_library_that_the_user_names_is_left_alone() {
-        let peers = BenchSettings {
-            target: PathBuf::from("t/native"),
-            rust_flags: "-C target-cpu=native".to_owned(),
-            embree: None,
-        };
-        let (_, environment) = completed(&["--peers"], Some(&peers));
-        assert_eq!(environment, "RUSTFLAGS=-C target-cpu=native");
+        let [_, (_, run)] = completed(&["--peers"], Some(&with_peers(None)));
+        assert_eq!(run, "");
     }
 }

@@ -84,14 +84,12 @@ impl Workspace {
         Ok(files)
     }
 
-    /// Builds the release form of a program of the workspace and gives its path.
-    pub(crate) fn build_program(&self, package: &str, program: &str) -> anyhow::Result<PathBuf> {
-        let mut command = self.cargo();
-        command
-            .args(["build", "--release", "--package", package, "--bin", program])
+    /// Runs a `cargo build` and gives the path of the program that it makes.
+    pub(crate) fn build_program(build: &mut Command, program: &str) -> anyhow::Result<PathBuf> {
+        build
             .arg("--message-format=json-render-diagnostics")
             .stderr(std::process::Stdio::inherit());
-        executable(&output_of(&mut command)?, program)
+        executable(&output_of(build)?, program)
             .with_context(|| format!("cargo named no executable for the program {program}"))
     }
 }

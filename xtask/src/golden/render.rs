@@ -103,7 +103,16 @@ impl Display for Case {
 
 impl Program {
     pub(super) fn build(workspace: &Workspace) -> anyhow::Result<Self> {
-        let path = workspace.build_program("tahko-cli", "tahko");
+        let mut build = workspace.cargo();
+        build.args([
+            "build",
+            "--release",
+            "--package",
+            "tahko-cli",
+            "--bin",
+            "tahko",
+        ]);
+        let path = Workspace::build_program(&mut build, "tahko");
         path.map(|path| Self { path })
             .context("building the program that renders")
     }
