@@ -1,7 +1,7 @@
 //! `cargo xtask golden`: every scene, rendered with every structure, gives one and the same picture, and it is
 //! the picture that somebody has looked at.
 //!
-//! Each scene is rendered small with every structure and precision, the exact one on one thread and on all. At a precision
+//! Each scene is rendered small with every structure and precision, the exact one by trees on one thread and on all. At a precision
 //! the files must agree byte for byte, as the structures give equal answers and the image does not depend on
 //! threads. The exact picture is compared with the golden one within [`compare::CHANNEL_TOLERANCE`] and
 //! [`compare::OUTLIERS`]; the fast one may be wrong at edges and is compared with [`compare::FAST_OUTLIERS`].

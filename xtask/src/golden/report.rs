@@ -266,7 +266,7 @@ mod tests {
         assert_eq!(
             messages(&report),
             [
-                "bvh fast (--threads 4) and brute fast (--threads 1) differ: \
+                "bvh fast (--threads 4) and brute fast (--threads 4) differ: \
                  1 pixels differ, 1 by more than 1, at most by 191"
             ]
         );
@@ -283,7 +283,7 @@ mod tests {
         let pictures = all(|_| Ok(png(compare::OUTLIERS + 1)));
         let far = check(&pictures, Some(&png(0)), &folder).unwrap();
         assert_eq!(far.verdict, "FAILED (2)", "exact and watertight");
-        let marks = folder.join("exact-brute-1.golden-difference.png");
+        let marks = folder.join("exact-brute-4.golden-difference.png");
         assert!(marks.exists(), "{marks:?}");
         fs::remove_dir_all(folder).unwrap();
     }
