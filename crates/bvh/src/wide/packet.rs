@@ -311,6 +311,10 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
             if !bvh.is_cached {
                 // It comes while the box is tested.
                 bvh.prefetch(simd, child);
+                if let Some(next) = packet.waiting.last() {
+                    let node = bvh.node(next.node.index());
+                    bvh.prefetch(simd, node.lanes()[next.lane % LANES]);
+                }
             }
             let rays = packet.clip(simd, node, lane, negative, waiting.rays & searching);
             next = (rays != 0).then_some((child, rays));
