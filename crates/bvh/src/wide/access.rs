@@ -118,5 +118,8 @@ impl<'a, N: Node> View<'a, N> {
         };
         simd.prefetch(place, HALF);
         simd.prefetch(place.wrapping_add(rest), HALF);
+        // The last line of a block; the first one of a node again.
+        let last = 2 * HALF * usize::from(child.is_leaf());
+        simd.prefetch(place.wrapping_add(last), 1);
     }
 }
