@@ -21,6 +21,26 @@ const _: () = assert!(
 /// Room for the entries of a stack.
 pub(super) type Room = [MaybeUninit<u64>; CAPACITY];
 
+/// Room for several stacks.
+pub(super) struct Rooms(Box<[MaybeUninit<u64>]>);
+
+impl Rooms {
+    /// A room and some entries, so that not all rooms begin in the same set of a cache.
+    const STRIDE: usize = CAPACITY + 40;
+
+    /// Room for `count` stacks, not written yet.
+    pub(super) fn new(count: usize) -> Self {
+        Self(Box::new_uninit_slice(count * Self::STRIDE))
+    }
+
+    /// The rooms.
+    #[inline(always)]
+    pub(super) fn iter_mut(&mut self) -> impl Iterator<Item = &mut Room> {
+        let rooms = self.0.chunks_exact_mut(Self::STRIDE);
+        rooms.filter_map(|room| room.first_chunk_mut())
+    }
+}
+
 /// Children that wait, each with a number that its ray enters not before: the number's bits above those of the child, so that entries
 /// with numbers from zero on are in order as integers.
 pub(super) struct Stack<'a> {
@@ -212,6 +232,24 @@ mod tests {
         stack.push_if(false, b);
         stack.push_if(true, c);
         assert_eq!(popped(&mut stack), [c, a]);
+    }
+
+    #[test]
+    fn stacks_have_rooms_of_their_own() {
+        for count in [0, 1, 3] {
+            let mut rooms = Rooms::new(count);
+            let mut stacks: Vec<Stack<'_>> = rooms.iter_mut().map(Stack::new).collect();
+            assert_eq!(stacks.len(), count);
+            for (start, stack) in (0u8..).zip(&mut stacks) {
+                for index in 0..CAPACITY {
+                    stack.push(Entry::new(Child::inner(index), f32::from(start)));
+                }
+            }
+            for (start, stack) in (0u8..).zip(&mut stacks) {
+                let starts: Vec<f32> = popped(stack).into_iter().map(Entry::start).collect();
+                assert_eq!(starts, [f32::from(start); CAPACITY]);
+            }
+        }
     }
 
     #[test]

@@ -23,15 +23,13 @@ use super::node::Node;
 use super::order::nearest_child;
 use super::plane_order::PlaneOrder;
 use super::slabs::Slabs;
-use super::stack::{Entry, Stack};
+use super::stack::{Entry, Rooms, Stack};
 use super::{Child, Kind};
 
 /// Rays that a thread has in flight.
-const IN_FLIGHT: usize = 8;
+const IN_FLIGHT: usize = 16;
 /// So many visits of other rays are between the visit of a ray and the decision.
 const LAG: usize = 2;
-/// What is between the rooms of stacks, in entries, so that they do not all begin in the same set of a cache.
-const BETWEEN_ROOMS: usize = 40;
 
 /// The searches of a batch, in turns.
 pub(super) struct Turns<'a, K: TriangleKernel, H: HitCollector, N>(pub(super) Batch<'a, K, H, N>);
@@ -66,9 +64,9 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Turns<'_, K, H, N
             bvh, rays, answers, ..
         } = self.0;
         let mut waiting = rays.iter().enumerate();
-        let mut rooms = vec![(Stack::room(), [0u64; BETWEEN_ROOMS]); IN_FLIGHT];
+        let mut rooms = Rooms::new(rays.len().min(IN_FLIGHT));
         let mut flights: Vec<Flight<'_, K, H>> = Vec::with_capacity(IN_FLIGHT);
-        for (room, _) in &mut rooms {
+        for room in rooms.iter_mut() {
             let Some((index, ray)) = next_valid::<K, H>(&mut waiting, answers) else {
                 break;
             };
@@ -92,16 +90,13 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Turns<'_, K, H, N
         }
         // Some have been visited: once more changes no answer.
         while !flights.is_empty() {
-            let mut place = 0;
-            while place < flights.len() {
-                flights[place].visit(simd, bvh);
-                let turn = flights[place].turn(simd, bvh, &mut waiting, answers);
-                if turn.is_break() {
-                    flights.swap_remove(place);
-                } else {
-                    place += 1;
-                }
+            for flight in &mut flights {
+                flight.visit(simd, bvh);
             }
+            flights.retain_mut(|flight| {
+                let turn = flight.turn(simd, bvh, &mut waiting, answers);
+                turn.is_continue()
+            });
         }
     }
 }
