@@ -92,6 +92,14 @@ struct Plan<'a> {
     passes: usize,
 }
 
+/// A place in a part of the pieces: another one in each, or a part for every row of a picture would be a column of it.
+fn somewhere(part: u32, len: usize) -> usize {
+    /// The golden ratio's fraction, of which the multiples are spread evenly.
+    const GOLDEN: u32 = 0x9e37_79b9;
+    let fraction = u64::from(part.wrapping_mul(GOLDEN));
+    ((fraction * len as u64) >> 32) as usize
+}
+
 impl<'a> Plan<'a> {
     /// The plans of some contenders, with the same pieces for all.
     fn of_all(
@@ -139,9 +147,10 @@ impl<'a> Plan<'a> {
     ) -> Self {
         let all: Vec<&[Ray]> = rays.chunks(piece.max(1)).collect();
         let wanted = count.div_ceil(piece.max(1)).clamp(1, all.len().max(1));
-        // The places i * all / wanted, rounded down, are all different and spread from the first to the last.
-        let pieces: Vec<&[Ray]> = (0..wanted)
-            .map(|index| all[index * all.len() / wanted])
+        let parts = (0..wanted).map(|part| [part, part + 1].map(|end| end * all.len() / wanted));
+        let pieces: Vec<&[Ray]> = (0u32..)
+            .zip(parts)
+            .map(|(part, [first, end])| all[first + somewhere(part, end - first)])
             .collect();
         Self {
             contender,
@@ -316,6 +325,27 @@ mod tests {
         assert_eq!(sorted.len(), 640, "each ray once");
         let mean = asked.iter().sum::<f32>() / 640.0;
         assert!((mean - 3200.0).abs() < 640.0, "{mean}");
+    }
+
+    /// A picture of 80 rows with 10 tiles of 64 rays each: pieces of one column may all be of the sky.
+    #[test]
+    fn pieces_are_of_many_columns_of_a_picture() {
+        let rays = rays(51_200);
+        let recorder = Recorder::default();
+        let plan = Plan::spread(&recorder, questions(&rays), FEWEST, SMALLEST_PIECE);
+        let tile = |piece: &&[Ray]| piece[0].origin.x / 64.0;
+        let mut rows: Vec<f32> = plan
+            .pieces
+            .iter()
+            .map(|piece| (tile(piece) / 10.0).floor())
+            .collect();
+        let mut columns: Vec<f32> = plan.pieces.iter().map(|piece| tile(piece) % 10.0).collect();
+        for places in [&mut rows, &mut columns] {
+            places.sort_by(f32::total_cmp);
+            places.dedup();
+        }
+        assert_eq!(rows.len(), PIECES, "{rows:?}");
+        assert!(columns.len() > PIECES / 2, "{columns:?}");
     }
 
     #[test]
