@@ -309,7 +309,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
             let lane = waiting.lane % LANES;
             let child = node.lanes()[lane];
             if !bvh.is_cached {
-                // It comes while the box is tested.
+                // They come while the box is tested: the child, and the one that is next, if none of this one's comes before it.
                 bvh.prefetch(simd, child);
                 if let Some(next) = packet.waiting.last() {
                     let node = bvh.node(next.node.index());

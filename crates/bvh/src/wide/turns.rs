@@ -5,7 +5,7 @@
 //!
 //! **Late decisions.** A visit only tests, without a branch on what is found. What follows from it is decided some visits of other rays later, when the result is known: a branch
 //! that was foreseen wrongly is then noticed at once, and the work on other rays that was begun before it is not lost. Hence, too, a block is only
-//! [filtered](BlockTest::possible) when it is visited, also for the triangle that a ray starts on, and looked at again if that leaves something of it.
+//! [filtered](BlockTest::candidates) when it is visited, also for the triangle that a ray starts on, and looked at again if that leaves something of it.
 //!
 //! Each ray visits the nodes that it would visit alone, in the same order.
 

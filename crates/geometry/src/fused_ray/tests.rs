@@ -192,6 +192,44 @@ fn parallel_rays_are_culled_beside_a_box_and_not_in_its_faces() {
     }
 }
 
+/// Around the limits, and far from them: nearly all rays are seen to be inside without a look at each limit.
+#[test]
+fn filters_decide_in_their_range_and_nowhere_else() {
+    let lengths = (-36i8..=24).map(|power| 2f32.powi(power.into()));
+    let places = [0.0, 1.0]
+        .into_iter()
+        .chain((26u8..=32).map(|power| 2f32.powi(power.into())));
+    for (length, place) in
+        lengths.flat_map(|length| places.clone().map(move |place| (length, place)))
+    {
+        for size in [1e-25, 1e-6, 1.0, 3e8, 1.4e9] {
+            for t_min in [0.0, -1.0] {
+                let origin = Vec3::new(-1.0, place, 0.5);
+                let direction = Vec3::new(0.5, -0.25, -1.0) * length;
+                let ray = Ray::with_interval(origin, direction, t_min, 5.0);
+                let distance = f64::from(size) + f64::from(place.max(1.0));
+                let is_near = distance <= f64::from(sheared::FARTHEST) * (1.0 - 1e-6);
+                let expected = is_near && sheared::DIRECTIONS.contains(&length);
+                let found = FusedRay::new(&ray, size, 0.0).filters_decide;
+                assert_eq!(found, expected, "{ray:?}, {size}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_axis_is_the_dominant_one() {
+    for place in 0..5u16.pow(3) {
+        let component = |digit: u32| f32::from(place / 5u16.pow(digit) % 5) - 2.0;
+        let direction = Vec3::new(component(0), component(1), component(2));
+        if direction != Vec3::ZERO {
+            let fused = FusedRay::new(&Ray::new(Vec3::ONE, direction), 1.0, 0.0);
+            assert_eq!(fused.axis, Axis::dominant(direction), "{direction}");
+            assert_eq!(fused.largest, direction.abs().max_element(), "{direction}");
+        }
+    }
+}
+
 #[test]
 fn extremes_cull_nothing() {
     let unit = Aabb::new(Vec3::ZERO, Vec3::ONE);

@@ -41,7 +41,7 @@ pub trait BlockFilter: BlockTest + Copy {
 }
 
 /// The triangles of a block that may be hit.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Candidates {
     /// A bit for each lane whose triangle may be hit; the others are certainly not.
     pub possible: u32,

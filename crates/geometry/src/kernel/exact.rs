@@ -138,12 +138,14 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
         counter: &mut C,
     ) -> Option<TriangleHit> {
         if let Some(hit) = certain_hit(ray, triangle)
+            // Where the rounded `t` is an end of the interval, the exact one may be outside.
             && hit.t != ray.t_min
             && hit.t != ray.t_max
         {
             counter.decisions(Rung::F64, 1);
             return (ray.t_min < hit.t && hit.t <= t_max).then_some(hit);
         }
+        // A copy, as above.
         let triangle = *triangle;
         Self::new(ray).intersect_in_f64(&triangle, t_max, counter)
     }

@@ -15,7 +15,8 @@
 //! **Blocks.** Before the tests of single triangles a [`BlockFilter`] may look at a [`TriangleBlock`](crate::TriangleBlock) of up to eight. It throws
 //! out what the kernel certainly rejects, and may name triangles that are *certain hits*, each with an interval around its `t`. What it says is true of
 //! the kernel, so answers depend neither on blocks nor on the vector instructions. Of a certain hit the kernel computes `t`, `u` and `v` only where they
-//! are needed: for the closest one at the end, and where the intervals of two overlap. [`ExactBlockFilter`] is that of the exact kernels. [`ReachBlockFilter`], that
+//! are needed: for the closest one at the end, and where the intervals of two overlap. For callers who have other work until it is known, it also tells without a branch what the kernel may accept, and which
+//! triangles the ray's line [meets for certain](Candidates::met). [`ExactBlockFilter`] is that of the exact kernels. [`ReachBlockFilter`], that
 //! of the others, has bounds that are wider by the reach, and names no certain hits. Each has a [`RaysFilter`] beside it, for eight rays of a packet and one triangle at a time.
 
 mod behind;

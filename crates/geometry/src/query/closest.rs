@@ -79,6 +79,11 @@ impl ClosestHit {
         self.v = hit.v;
     }
 
+    #[inline(always)]
+    fn keep_vertices(&mut self, triangle: &Triangle) {
+        self.vertices = triangle.vertices().map(Vec3A::from);
+    }
+
     /// The best hit, which is certain.
     #[inline(always)]
     fn compute<K: TriangleKernel, C: TraversalCounter>(
@@ -125,10 +130,10 @@ impl ClosestHit {
         )
     }
 
-    /// For hits that do not begin before the best one.
+    /// For hits that are ignored, or not certainly closer than the best one.
     #[cold]
     #[inline(never)]
-    fn collect_behind<K: TriangleKernel, C: TraversalCounter>(
+    fn collect_with_kernel<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         ray: &Ray,
         candidate: &Candidate<'_>,
@@ -195,7 +200,7 @@ impl HitCollector for ClosestHit {
         };
         if is_closer {
             self.keep_known(&candidate.hit());
-            self.vertices = candidate.triangle.vertices().map(Vec3A::from);
+            self.keep_vertices(candidate.triangle);
         }
         ControlFlow::Continue(())
     }
@@ -239,18 +244,18 @@ impl HitCollector for ClosestHit {
     ) -> ControlFlow<()> {
         let is_ignored = self.ignored == Some(candidate.primitive);
         if is_ignored || candidate.hit.t >= self.t.start {
-            // Copies, as above.
+            // Copies, as of certain hits.
             let (hit, triangle) = (candidate.hit, *candidate.triangle);
             let copy = Candidate {
                 hit,
                 triangle: &triangle,
                 ..*candidate
             };
-            return self.collect_behind::<K, C>(ray, &copy, counter);
+            return self.collect_with_kernel::<K, C>(ray, &copy, counter);
         }
         counter.decisions(Rung::F32, u64::from(self.best == Best::Certain));
         self.keep_known(&candidate.hit());
-        self.vertices = candidate.triangle.vertices().map(Vec3A::from);
+        self.keep_vertices(candidate.triangle);
         ControlFlow::Continue(())
     }
 
