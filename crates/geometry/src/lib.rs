@@ -120,8 +120,8 @@ pub use plane::{Plane, Side};
 pub use polygon::{Polygon, PolygonError, Split};
 pub use query::{
     AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, RaySearch,
-    RaysFilterOf, RungCounts, TraversalCounter, Traverse, test_block, test_candidates,
-    test_possible, test_rays, test_triangle,
+    RaySearches, RaysFilterOf, RungCounts, TraversalCounter, Traverse, offer_all, test_block,
+    test_candidates, test_possible, test_rays, test_triangle,
 };
 pub use ray::Ray;
 pub use statistics::{ExpectedVisits, TreeStatistics};

@@ -12,8 +12,8 @@ use tahko_geometry::glam::Vec3;
 use tahko_geometry::kernel::BlockFilter;
 use tahko_geometry::simd::{LANES, Lanes, Simd, WithSimd, bits_of};
 use tahko_geometry::{
-    Axis, FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes, RaySearch,
-    RaysFilter, RaysFilterOf, TriangleKernel,
+    Axis, ClosestHit, FusedPacket, FusedRay, GatheredBounds, HitCollector, Ray, RayLanes,
+    RaySearch, RaySearches, RaysFilter, RaysFilterOf, TriangleKernel,
 };
 
 use self::leaf::{LeafOf, LeafOfAll};
@@ -24,7 +24,7 @@ use super::traverse::Way;
 use super::{Child, Kind};
 
 /// Rays of a packet at most: one bit each.
-pub(super) const SIZE: usize = 64;
+pub(super) const SIZE: usize = RaySearches::<ClosestHit>::MOST;
 const GROUPS: usize = SIZE / LANES;
 /// So few rays go on alone. Measured with 4 and 8: 4 is better by up to 2 %, for primary rays.
 const FEW: u32 = 4;
@@ -36,7 +36,7 @@ pub(super) struct Packet<'a, K: TriangleKernel, H> {
     filters_decide: bool,
     /// For each ray, a bit for each triangle of a block that it may hit.
     possible: [u32; SIZE],
-    searches: Vec<RaySearch<'a, H>>,
+    searches: RaySearches<'a, H>,
     waiting: Vec<Waiting>,
 }
 
@@ -71,7 +71,7 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
             }),
             filters_decide: false,
             possible: [0; SIZE],
-            searches: Vec::with_capacity(SIZE),
+            searches: RaySearches::new(),
             waiting: Vec::new(),
         }
     }
@@ -89,20 +89,18 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
                 group.rays.set(lane, ray);
             }
         }
-        self.searches.clear();
-        self.searches.extend(rays.iter().map(RaySearch::new));
+        self.searches.fill(rays);
     }
 
     /// Makes it a packet of the rays of some places.
     pub(super) fn fill_with(&mut self, rays: &'a [Ray], places: u64) {
-        self.searches.clear();
+        self.searches.fill_with(rays, places);
         for (place, index) in bits_of(places).enumerate() {
             let (lanes, ray) = (&mut self.groups[place / LANES % GROUPS].rays, &rays[index]);
             if place.is_multiple_of(LANES) {
                 *lanes = lanes_beside(ray);
             }
             lanes.set(place % LANES, ray);
-            self.searches.push(RaySearch::new(ray));
         }
     }
 
@@ -113,12 +111,12 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
             .map(|group| &group.rays)
     }
 
-    /// The answers of all rays, in their order.
+    /// The answers of all rays, each with the place of its ray in the list.
     #[inline(always)]
-    pub(super) fn finish<S: Simd>(&mut self, simd: S, mut answer: impl FnMut(H::Answer)) {
-        for (group, searches) in self.groups.iter().zip(self.searches.chunks_mut(LANES)) {
-            H::finish_lanes::<S, K>(simd, &group.rays, searches, |_, found| answer(found));
-        }
+    pub(super) fn finish<S: Simd>(&mut self, simd: S, answer: impl FnMut(usize, H::Answer)) {
+        let groups = &self.groups[..self.used_groups()];
+        let lanes = groups.iter().map(|group| &group.rays);
+        self.searches.finish::<S, K>(simd, lanes, answer);
     }
 
     fn used_groups(&self) -> usize {
@@ -183,17 +181,12 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
     ) -> u64 {
         let mut done = 0;
         for place in bits_of(rays) {
-            let step = step(&mut self.searches[place]);
-            done |= self.keep(place, step);
+            let rays = &mut self.groups[place / LANES % GROUPS].rays;
+            let search = self.searches.search(place);
+            let step = step(search);
+            done |= u64::from(search.keep(rays, place % LANES, step)) << place;
         }
         done
-    }
-
-    /// [Keeps](RaySearch::keep) the `t_max` of a ray that has made a step; its bit, if its search is over.
-    #[inline(always)]
-    fn keep(&mut self, place: usize, step: ControlFlow<()>) -> u64 {
-        let rays = &mut self.groups[place / LANES].rays;
-        u64::from(self.searches[place].keep(rays, place % LANES, step)) << place
     }
 
     /// Lets the children of a node wait, the nearest one in front.
@@ -257,7 +250,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
         } = self;
         let mut bounds = GatheredBounds::new(negative);
         let size = (bvh.size, K::REACH);
-        let axis = Axis::dominant(packet.searches[0].ray.direction);
+        let axis = Axis::dominant(packet.searches.ray(0).direction);
         packet.filters_decide = true;
         let used = packet.used_groups();
         for group in &mut packet.groups[..used] {

@@ -44,12 +44,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Packets<'_, K, H,
                         packet: &mut packet,
                         negative,
                     });
-                    let mut places = bits_of(members);
-                    packet.finish(simd, |answer| {
-                        if let Some(index) = places.next() {
-                            answers[index] = answer;
-                        }
-                    });
+                    packet.finish(simd, |index, answer| answers[index] = answer);
                 } else {
                     for index in bits_of(members) {
                         answers[index] = search_one::<S, K, H, N>(simd, bvh, &rays[index]);

@@ -8,7 +8,7 @@ use super::collector::{Candidate, CertainHit, HitCollector, compare};
 use super::{Hit, RaySearch, TraversalCounter, test_filtered};
 use crate::kernel::{HitLanes, VertexLanes};
 use crate::predicate::Rung;
-use crate::simd::{LANES, Lanes, Simd};
+use crate::simd::{LANES, Simd, lanes_of};
 use crate::{Interval, Ray, RayLanes, Triangle, TriangleHit, TriangleKernel};
 
 /// Collects the closest hit: smallest `t`, then smallest primitive.
@@ -276,44 +276,68 @@ impl HitCollector for ClosestHit {
     fn finish_lanes<S: Simd, K: TriangleKernel>(
         simd: S,
         rays: &RayLanes,
-        searches: &mut [RaySearch<'_, Self>],
+        searches: &mut [RaySearch<'_, Self>; LANES],
+        lanes: u32,
         mut answer: impl FnMut(usize, Option<Hit>),
     ) {
-        let mut all = searches.iter().map(|search| &search.collector);
-        let hits = if all.any(|found| found.best == Best::Certain) {
-            K::intersect_certain_lanes(simd, rays, &vertices_of(searches))
+        let mut found = lanes_of(lanes).map(|lane| &searches[lane].collector);
+        let hits = if found.any(|found| found.best == Best::Certain) {
+            K::intersect_certain_lanes(simd, rays, &vertices_of(simd, searches))
         } else {
             HitLanes::UNKNOWN
         };
-        for (lane, search) in searches.iter_mut().enumerate() {
-            let found = &search.collector;
-            let is_known = found.best == Best::Certain && hits.known >> lane & 1 != 0;
+        for lane in lanes_of(lanes) {
+            let RaySearch { ray, collector } = &mut searches[lane];
+            let is_known = collector.best == Best::Certain && hits.known >> lane & 1 != 0;
             let hit = if is_known {
-                let TriangleHit { t, u, v } = hits.hit(lane % LANES);
+                let TriangleHit { t, u, v } = hits.hit(lane);
                 Some(Hit {
                     t,
                     u,
                     v,
-                    primitive: found.primitive,
+                    primitive: collector.primitive,
                 })
             } else {
-                search.collector.finish::<K, ()>(search.ray, &mut ())
+                collector.finish::<K, ()>(ray, &mut ())
             };
             answer(lane, hit);
         }
     }
 }
 
-/// The vertices of the best hits of up to eight searches.
+/// The vertices of the best hits; anything, if there is none.
 #[inline(always)]
-fn vertices_of(searches: &[RaySearch<'_, ClosestHit>]) -> VertexLanes {
-    let mut vertices = [[Lanes::splat(0.0); 3]; 3];
-    for (lane, search) in searches.iter().take(LANES).enumerate() {
-        for ([x, y, z], vertex) in vertices.iter_mut().zip(&search.collector.vertices) {
-            x.0[lane] = vertex.x;
-            y.0[lane] = vertex.y;
-            z.0[lane] = vertex.z;
-        }
-    }
-    vertices
+fn vertices_of<S: Simd>(simd: S, searches: &[RaySearch<'_, ClosestHit>; LANES]) -> VertexLanes {
+    let vertex = |lane: usize, vertex: usize| {
+        searches[lane].collector.vertices[vertex]
+            .extend(0.0)
+            .to_array()
+    };
+    let two = |lane: usize| simd.halves(vertex(lane, 0), vertex(lane, 1));
+    let one = |lane: usize| simd.halves(vertex(lane, 2), [0.0; LANES / 2]);
+    let [ax, ay, az, _, bx, by, bz, _] = simd.transpose([
+        two(0),
+        two(1),
+        two(2),
+        two(3),
+        two(4),
+        two(5),
+        two(6),
+        two(7),
+    ]);
+    let [cx, cy, cz, ..] = simd.transpose([
+        one(0),
+        one(1),
+        one(2),
+        one(3),
+        one(4),
+        one(5),
+        one(6),
+        one(7),
+    ]);
+    [
+        [simd.store(ax), simd.store(ay), simd.store(az)],
+        [simd.store(bx), simd.store(by), simd.store(bz)],
+        [simd.store(cx), simd.store(cy), simd.store(cz)],
+    ]
 }

@@ -7,7 +7,7 @@ use super::{Hit, RaySearch, TraversalCounter, test_filtered};
 use glam::{Vec3, Vec3A};
 
 use crate::predicate::Rung;
-use crate::simd::Simd;
+use crate::simd::{LANES, Simd, lanes_of};
 use crate::{Interval, Ray, RayLanes, Triangle, TriangleHit, TriangleKernel};
 
 /// A triangle that a kernel accepted.
@@ -115,15 +115,17 @@ pub trait HitCollector: Sized {
         counter: &mut C,
     ) -> Self::Answer;
 
-    /// [`finish`](Self::finish) for up to eight searches, of the rays in the first lanes.
+    /// [`finish`](Self::finish) for the searches of some lanes, a bit for each.
     #[inline(always)]
     fn finish_lanes<S: Simd, K: TriangleKernel>(
         _simd: S,
         _rays: &RayLanes,
-        searches: &mut [RaySearch<'_, Self>],
+        searches: &mut [RaySearch<'_, Self>; LANES],
+        lanes: u32,
         mut answer: impl FnMut(usize, Self::Answer),
     ) {
-        for (lane, search) in searches.iter_mut().enumerate() {
+        for lane in lanes_of(lanes) {
+            let search = &mut searches[lane];
             answer(lane, search.collector.finish::<K, ()>(search.ray, &mut ()));
         }
     }

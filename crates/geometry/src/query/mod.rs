@@ -12,7 +12,7 @@ use glam::Vec3;
 pub use closest::ClosestHit;
 pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
-pub use packet::{RaySearch, RaysFilterOf, test_rays};
+pub use packet::{RaySearch, RaySearches, RaysFilterOf, test_rays};
 
 use crate::kernel::{
     BlockTest, BlockVerdict, Candidates, Exact, ExactCrossing, MollerTrumbore, Woop,
@@ -376,9 +376,9 @@ pub fn test_candidates<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     ControlFlow::Continue(())
 }
 
-/// Offers the hits among the triangles of a block to the collector.
+/// Offers the hits among the triangles of a block to the collector, given what the [filter says](BlockTest::test) of it.
 #[inline(always)]
-fn offer_all<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+pub fn offer_all<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     ray: &Ray,
     block: &TriangleBlock,
     verdict: &BlockVerdict,

@@ -1,11 +1,13 @@
-//! The step of packets: eight rays and a triangle.
+//! The searches of a packet, and their step: eight rays and a triangle.
 
 use std::ops::ControlFlow;
+
+use glam::Vec3;
 
 use super::collector::{CertainHit, HitCollector};
 use super::test_filtered;
 use crate::kernel::{BlockFilter, RaysFilter};
-use crate::simd::{LANES, Simd, lanes_of};
+use crate::simd::{LANES, Simd, bits_of, lanes_of};
 use crate::{Interval, Ray, RayLanes, TriangleBlock, TriangleKernel};
 
 /// A ray on its way, and what it has found.
@@ -41,10 +43,141 @@ impl<'a, H: HitCollector> RaySearch<'a, H> {
     }
 }
 
+/// The searches of up to [`MOST`](Self::MOST) rays. Each begins where something may be hit: for a ray that meets nothing there is nothing to write, and nothing to read in the end.
+#[derive(Clone, Debug)]
+pub struct RaySearches<'a, H> {
+    rays: &'a [Ray],
+    /// Where in the list of rays that of each place is.
+    indices: [u8; MOST],
+    len: usize,
+    /// A bit for each search that has begun. The others are those of other rays.
+    begun: u64,
+    all: Box<[RaySearch<'a, H>; MOST]>,
+}
+
+/// A bit each.
+const MOST: usize = u64::BITS as usize;
+
+/// Each in its own place.
+const ALL_INDICES: [u8; MOST] = {
+    let mut indices = [0; MOST];
+    let mut place = 0;
+    while place < MOST {
+        indices[place] = place as u8;
+        place += 1;
+    }
+    indices
+};
+
+impl<'a, H: HitCollector> RaySearches<'a, H> {
+    /// Rays at most.
+    pub const MOST: usize = MOST;
+
+    /// Room for searches, of no rays yet.
+    #[must_use]
+    pub fn new() -> Self {
+        const ANYTHING: &Ray = &Ray::new(Vec3::ZERO, Vec3::ONE);
+        Self {
+            rays: &[],
+            indices: ALL_INDICES,
+            len: 0,
+            begun: 0,
+            all: Box::new(std::array::from_fn(|_| RaySearch::new(ANYTHING))),
+        }
+    }
+
+    /// Makes them those of the first rays of a list, up to [`MOST`](Self::MOST).
+    #[inline(always)]
+    pub fn fill(&mut self, rays: &'a [Ray]) {
+        self.rays = rays;
+        self.indices = ALL_INDICES;
+        self.len = rays.len().min(MOST);
+        self.begun = 0;
+    }
+
+    /// Makes them those of some of the first rays of a list: a bit for each.
+    #[inline(always)]
+    pub fn fill_with(&mut self, rays: &'a [Ray], members: u64) {
+        self.rays = rays;
+        self.len = 0;
+        self.begun = 0;
+        for (index, place) in bits_of(members).zip(&mut self.indices) {
+            *place = index as u8;
+            self.len += 1;
+        }
+    }
+
+    /// How many there are.
+    #[inline(always)]
+    #[must_use]
+    pub const fn len(&self) -> usize {
+        self.len
+    }
+
+    /// Whether there are none.
+    #[inline(always)]
+    #[must_use]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The ray of a place.
+    #[inline(always)]
+    #[must_use]
+    pub fn ray(&self, place: usize) -> &'a Ray {
+        &self.rays[usize::from(self.indices[place % MOST])]
+    }
+
+    /// The search of a place. It begins here, if it has not.
+    #[inline(always)]
+    pub fn search(&mut self, place: usize) -> &mut RaySearch<'a, H> {
+        let place = place % MOST;
+        if self.begun >> place & 1 == 0 {
+            self.begun |= 1 << place;
+            self.all[place] = RaySearch::new(self.ray(place));
+        }
+        &mut self.all[place]
+    }
+
+    /// The answers of all, each with the index of its ray, given the rays in lanes.
+    #[inline(always)]
+    pub fn finish<'r, S: Simd, K: TriangleKernel>(
+        &mut self,
+        simd: S,
+        lanes: impl Iterator<Item = &'r RayLanes>,
+        mut answer: impl FnMut(usize, H::Answer),
+    ) {
+        for (group, lanes) in lanes.enumerate() {
+            let first = LANES * group;
+            let begun = (self.begun >> first & 0xff) as u32;
+            for place in
+                (first..self.len.min(first + LANES)).filter(|place| self.begun >> place & 1 == 0)
+            {
+                let ray = self.ray(place);
+                let nothing = H::new(ray).finish::<K, ()>(ray, &mut ());
+                answer(usize::from(self.indices[place % MOST]), nothing);
+            }
+            if begun != 0
+                && let Some(searches) = self.all[first..].first_chunk_mut()
+            {
+                H::finish_lanes::<S, K>(simd, lanes, searches, begun, |lane, found| {
+                    answer(usize::from(self.indices[(first + lane) % MOST]), found);
+                });
+            }
+        }
+    }
+}
+
+impl<H: HitCollector> Default for RaySearches<'_, H> {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
 /// The filter of a kernel for eight rays.
 pub type RaysFilterOf<K> = <<K as TriangleKernel>::Block as BlockFilter>::Rays;
 
-/// Tests a triangle of a block with the rays of some lanes and offers the hits to their collectors, as [`test_block`](super::test_block) does for one ray and eight triangles. Keeps the
+/// Tests a triangle of a block with the rays of some lanes and offers the hits to their searches, which are those from a place on, as [`test_block`](super::test_block) does for one ray and eight triangles. Keeps the
 /// lanes' `t_max`; gives a bit for each ray whose search is over.
 ///
 /// The filter was prepared for these rays, and decides.
@@ -53,7 +186,7 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
     simd: S,
     (rays, filter): (&mut RayLanes, &RaysFilterOf<K>),
     (block, triangle): (&TriangleBlock, usize),
-    searches: &mut [RaySearch<'_, H>],
+    (searches, first): (&mut RaySearches<'_, H>, usize),
     lanes: u32,
 ) -> u32 {
     let Some(verdict) = filter.test(simd, rays, block, triangle) else {
@@ -64,7 +197,7 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
     if certain != 0 {
         let (primitive, vertices) = (block.used_number(triangle), block.vertices(triangle));
         for lane in lanes_of(certain) {
-            let search = &mut searches[lane];
+            let search = searches.search(first + lane);
             let t = Interval {
                 start: verdict.starts.0[lane],
                 end: verdict.ends.0[lane],
@@ -84,7 +217,7 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
         }
     }
     for lane in lanes_of(verdict.possible & !verdict.certain & lanes) {
-        let search = &mut searches[lane];
+        let search = searches.search(first + lane);
         let step = test_filtered(
             &K::new(search.ray),
             &block.triangle(triangle),

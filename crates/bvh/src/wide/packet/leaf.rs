@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use tahko_geometry::kernel::{BlockFilter, BlockTest};
 use tahko_geometry::simd::{LANES, Simd, WithSimd, bits_of};
 use tahko_geometry::{
-    FusedRay, HitCollector, RaySearch, RaysFilter, TriangleBlock, TriangleKernel, test_block,
+    FusedRay, HitCollector, RaySearch, RaysFilter, TriangleBlock, TriangleKernel, offer_all,
     test_possible, test_rays,
 };
 
@@ -60,7 +60,7 @@ impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
         for triangle in bits_of(u64::from(block.used())) {
             for group in groups_with(left) {
                 let lanes = (left >> (LANES * group) & 0xff) as u32;
-                let searches = &mut self.searches[LANES * group..];
+                let searches = (&mut self.searches, LANES * group);
                 let Group { rays, filter, .. } = &mut self.groups[group];
                 let prepared = (rays, &*filter);
                 let place = (block, triangle % LANES);
@@ -76,13 +76,22 @@ impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
     fn test_one_by_one<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
         let mut done = 0;
         for place in bits_of(rays) {
-            let Group { rays, filter, .. } = &self.groups[place / LANES % GROUPS];
-            let filter = filter.of_lane(rays, place % LANES);
-            let search = &mut self.searches[place];
-            let kernels = (search.ray, &filter);
-            let step =
-                test_block::<S, K, H, ()>(simd, kernels, block, &mut search.collector, &mut ());
-            done |= self.keep(place, step);
+            let lane = place % LANES;
+            let Group { rays, filter, .. } = &mut self.groups[place / LANES % GROUPS];
+            let verdict = filter
+                .of_lane(rays, lane)
+                .test(simd, block, rays.t_max.0[lane]);
+            if let Some(verdict) = verdict {
+                let search = self.searches.search(place);
+                let step = offer_all::<K, H, ()>(
+                    search.ray,
+                    block,
+                    &verdict,
+                    &mut search.collector,
+                    &mut (),
+                );
+                done |= u64::from(search.keep(rays, lane, step)) << place;
+            }
         }
         done
     }
@@ -104,9 +113,9 @@ impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
         }
         let mut done = 0;
         for place in bits_of(left) {
-            let Group { rays, filter, .. } = &self.groups[place / LANES % GROUPS];
+            let Group { rays, filter, .. } = &mut self.groups[place / LANES % GROUPS];
             let filter = filter.of_lane(rays, place % LANES);
-            let search = &mut self.searches[place];
+            let search = self.searches.search(place);
             let step = test_possible::<S, K, H, ()>(
                 simd,
                 (search.ray, &filter),
@@ -114,7 +123,7 @@ impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
                 &mut search.collector,
                 &mut (),
             );
-            done |= self.keep(place, step);
+            done |= u64::from(search.keep(rays, place % LANES, step)) << place;
         }
         done
     }
