@@ -97,6 +97,7 @@ pub struct TriangleHit {
 
 impl TriangleHit {
     /// A hit with `u` and `v` rounded to f32 and kept inside the triangle. A zero `t` is positive.
+    #[inline]
     pub(crate) fn new(t: f32, u: f64, v: f64) -> Self {
         #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
         let [u, v] = [u, v].map(|value| (value as f32).clamp(0.0, 1.0));

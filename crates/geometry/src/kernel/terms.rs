@@ -153,24 +153,24 @@ pub(super) fn certain_terms<D: Doubles>(
 /// The hit of a triangle that the ray certainly hits; `None` if f64 is not sure of `t` and the weights.
 #[inline(always)]
 pub(super) fn certain_hit(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit> {
+    // No `map`: what is not inlined is a call, with all in memory.
     let vectors = [
-        ray.origin,
-        ray.direction,
-        triangle.a,
-        triangle.b,
-        triangle.c,
+        wide(ray.origin),
+        wide(ray.direction),
+        wide(triangle.a),
+        wide(triangle.b),
+        wide(triangle.c),
     ];
-    let vectors = vectors.map(|vector| wide(vector.to_array()));
     let CertainTerms { ends, u, v, slack } = certain_terms(Scalar, vectors);
     #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
-    let [low, high] = ends.map(|t| t as f32);
+    let [low, high] = [ends[0] as f32, ends[1] as f32];
     let is_certain = (slack >= 0.0) & (low == high) & (low.abs() < f32::INFINITY);
     is_certain.then(|| TriangleHit::new(low, u, v))
 }
 
 #[inline(always)]
-fn wide(vector: [f32; 3]) -> [f64; 3] {
-    vector.map(f64::from)
+fn wide(vector: Vec3) -> [f64; 3] {
+    [vector.x.into(), vector.y.into(), vector.z.into()]
 }
 
 #[inline(always)]
