@@ -119,9 +119,9 @@ pub use mesh::{DroppedTriangle, MeshError, TriangleMesh};
 pub use plane::{Plane, Side};
 pub use polygon::{Polygon, PolygonError, Split};
 pub use query::{
-    AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, QueryCounts, RayQuery, RaySearch,
-    RaySearches, RaysFilterOf, RungCounts, TraversalCounter, Traverse, offer_all, test_block,
-    test_candidates, test_possible, test_rays, test_triangle,
+    AnyHit, Candidate, CertainHit, ClosestHit, Hit, HitCollector, KnownHit, QueryCounts, RayQuery,
+    RaySearch, RaySearches, RaysFilterOf, RungCounts, TraversalCounter, Traverse, offer_all,
+    test_block, test_candidates, test_possible, test_rays, test_triangle,
 };
 pub use ray::Ray;
 pub use statistics::{ExpectedVisits, TreeStatistics};

@@ -1,6 +1,6 @@
 //! Triangles.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 
 use crate::{Aabb, predicate};
 
@@ -16,6 +16,12 @@ pub struct Triangle {
 }
 
 impl Triangle {
+    /// A triangle from its vertices, as vectors want them.
+    #[inline(always)]
+    pub(crate) fn from_vertices([a, b, c]: &[Vec3A; 3]) -> Self {
+        Self::new((*a).into(), (*b).into(), (*c).into())
+    }
+
     /// A triangle from its vertices.
     #[must_use]
     pub const fn new(a: Vec3, b: Vec3, c: Vec3) -> Self {

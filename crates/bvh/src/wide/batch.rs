@@ -62,7 +62,7 @@ pub(super) fn search_one<S: Simd, K: TriangleKernel, H: HitCollector, N: Node>(
     if ray.is_valid() {
         search::<S, K, H, (), N>(simd, bvh, ray, &mut collector, &mut ());
     }
-    collector.finish::<K, ()>(ray, &mut ())
+    collector.finish::<S, K, ()>(simd, ray, &mut ())
 }
 
 #[cfg(test)]

@@ -89,8 +89,9 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter> WithSimd for Neare
     type Output = ControlFlow<()>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, _simd: S) -> ControlFlow<()> {
-        test_candidates::<K, H, C>(
+    fn with_simd<S: Simd>(self, simd: S) -> ControlFlow<()> {
+        test_candidates::<S, K, H, C>(
+            simd,
             self.ray,
             self.block,
             self.candidates,

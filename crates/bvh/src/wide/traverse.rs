@@ -115,7 +115,7 @@ impl<K: TriangleKernel, H: HitCollector, C: TraversalCounter, N: Node> WithSimd
             ..
         }) = self;
         search::<S, K, H, C, N>(simd, source.view(), ray, collector, counter);
-        collector.finish::<K, C>(ray, counter)
+        collector.finish::<S, K, C>(simd, ray, counter)
     }
 }
 

@@ -67,7 +67,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Turns<'_, K, H, N
         let mut rooms = Rooms::new(rays.len().min(IN_FLIGHT));
         let mut flights: Vec<Flight<'_, K, H>> = Vec::with_capacity(IN_FLIGHT);
         for room in rooms.iter_mut() {
-            let Some((index, ray)) = next_valid::<K, H>(&mut waiting, answers) else {
+            let Some((index, ray)) = next_valid::<S, K, H>(simd, &mut waiting, answers) else {
                 break;
             };
             flights.push(Flight::new(bvh, index, ray, Stack::new(room)));
@@ -103,14 +103,15 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for Turns<'_, K, H, N
 
 /// The next ray that can hit anything; those before it are answered.
 #[inline(always)]
-fn next_valid<'a, K: TriangleKernel, H: HitCollector>(
+fn next_valid<'a, S: Simd, K: TriangleKernel, H: HitCollector>(
+    simd: S,
     rays: &mut impl Iterator<Item = (usize, &'a Ray)>,
     answers: &mut [H::Answer],
 ) -> Option<(usize, &'a Ray)> {
     rays.find(|(index, ray)| {
         let is_valid = ray.is_valid();
         if !is_valid {
-            answers[*index] = H::new(ray).finish::<K, ()>(ray, &mut ());
+            answers[*index] = H::new(ray).finish::<S, K, ()>(simd, ray, &mut ());
         }
         is_valid
     })
@@ -160,8 +161,8 @@ impl<'a, K: TriangleKernel, H: HitCollector> Flight<'a, K, H> {
         if self.decide(simd, bvh).is_continue() {
             return ControlFlow::Continue(());
         }
-        answers[self.index] = self.collector.finish::<K, ()>(self.ray, &mut ());
-        match next_valid::<K, H>(waiting, answers) {
+        answers[self.index] = self.collector.finish::<S, K, ()>(simd, self.ray, &mut ());
+        match next_valid::<S, K, H>(simd, waiting, answers) {
             Some((index, ray)) => {
                 self.start(bvh, index, ray);
                 ControlFlow::Continue(())

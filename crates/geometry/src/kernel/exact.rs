@@ -38,7 +38,7 @@
 
 use std::cmp::Ordering;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 
 use super::lanes::{HitLanes, VertexLanes, certain_hits};
 use super::terms::{Terms, certain_hit};
@@ -116,28 +116,30 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
     }
 
     #[inline(always)]
-    fn intersect_certain<C: TraversalCounter>(
-        &self,
-        triangle: &Triangle,
+    fn intersect_certain<S: Simd, C: TraversalCounter>(
+        simd: S,
+        ray: &Ray,
+        vertices: &[Vec3A; 3],
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        if let Some(hit) = certain_hit(&self.ray, triangle) {
+        if let Some(hit) = certain_hit(simd, ray, vertices) {
             counter.decisions(Rung::F64, 1);
             return Some(hit);
         }
-        // Copies: where kernel and triangle were made for this alone, what only the rare call wants of them is not computed or stored before.
-        let triangle = *triangle;
-        Self::new(&self.ray).intersect_in_f64(&triangle, f32::INFINITY, counter)
+        // A copy: what only the rare call wants is not computed or stored before.
+        let triangle = Triangle::from_vertices(vertices);
+        Self::new(ray).intersect_in_f64(&triangle, f32::INFINITY, counter)
     }
 
     #[inline(always)]
-    fn intersect_met<C: TraversalCounter>(
+    fn intersect_met<S: Simd, C: TraversalCounter>(
+        simd: S,
         ray: &Ray,
-        triangle: &Triangle,
+        vertices: &[Vec3A; 3],
         t_max: f32,
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        if let Some(hit) = certain_hit(ray, triangle)
+        if let Some(hit) = certain_hit(simd, ray, vertices)
             // Where the rounded `t` is an end of the interval, the exact one may be outside.
             && hit.t != ray.t_min
             && hit.t != ray.t_max
@@ -146,7 +148,7 @@ impl<const PERTURBED: bool> TriangleKernel for Ladder<PERTURBED> {
             return (ray.t_min < hit.t && hit.t <= t_max).then_some(hit);
         }
         // A copy, as above.
-        let triangle = *triangle;
+        let triangle = Triangle::from_vertices(vertices);
         Self::new(ray).intersect_in_f64(&triangle, t_max, counter)
     }
 

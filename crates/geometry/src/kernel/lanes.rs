@@ -1,6 +1,6 @@
 //! The f64 rung of the exact kernels for eight rays at a time: what a packet ends with.
 
-use super::terms::{RayAndTriangle, certain_terms};
+use super::terms::{RayAndTriangle, Sums, certain_terms};
 use crate::simd::{Lanes, Simd, widen_all};
 use crate::{RayLanes, TriangleHit};
 
@@ -46,7 +46,8 @@ pub(super) fn certain_hits<S: Simd>(simd: S, rays: &RayLanes, [a, b, c]: &Vertex
         load(c),
     ];
     let [first, last] = halves(simd, vectors);
-    let (first, last) = (certain_terms(simd, first), certain_terms(simd, last));
+    let first = certain_terms(simd, &Sums::of_lanes(simd, first));
+    let last = certain_terms(simd, &Sums::of_lanes(simd, last));
     let low = simd.narrow([first.ends[0], last.ends[0]]);
     let high = simd.narrow([first.ends[1], last.ends[1]]);
     let u = simd.narrow([first.u, last.u]);

@@ -45,6 +45,8 @@ pub use woop::Woop;
 
 use std::cmp::Ordering;
 
+use glam::Vec3A;
+
 use crate::simd::Simd;
 use crate::{Ray, RayLanes, TraversalCounter, Triangle};
 
@@ -171,25 +173,29 @@ pub trait TriangleKernel: Copy {
         self.intersect(triangle, t_max, counter)
     }
 
-    /// The hit of a triangle that is certainly hit, with `t` in the ray's interval.
+    /// The hit of a triangle, given by its vertices, that is certainly hit with `t` in the ray's interval.
     #[inline]
-    fn intersect_certain<C: TraversalCounter>(
-        &self,
-        triangle: &Triangle,
+    fn intersect_certain<S: Simd, C: TraversalCounter>(
+        _simd: S,
+        ray: &Ray,
+        vertices: &[Vec3A; 3],
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        self.intersect(triangle, f32::INFINITY, counter)
+        let triangle = Triangle::from_vertices(vertices);
+        Self::new(ray).intersect_filtered(&triangle, f32::INFINITY, counter)
     }
 
     /// [`intersect_filtered`](Self::intersect_filtered) for a triangle that the line of the ray [meets for certain](Candidates::met).
     #[inline]
-    fn intersect_met<C: TraversalCounter>(
+    fn intersect_met<S: Simd, C: TraversalCounter>(
+        _simd: S,
         ray: &Ray,
-        triangle: &Triangle,
+        vertices: &[Vec3A; 3],
         t_max: f32,
         counter: &mut C,
     ) -> Option<TriangleHit> {
-        Self::new(ray).intersect_filtered(triangle, t_max, counter)
+        let triangle = Triangle::from_vertices(vertices);
+        Self::new(ray).intersect_filtered(&triangle, t_max, counter)
     }
 
     /// [`intersect_certain`](Self::intersect_certain) for eight rays and a triangle of each, which it certainly hits, as far as it is quickly known. What is in lanes without a hit does not matter.

@@ -3,10 +3,10 @@
 //! The bounds are those of [`predicate`](crate::predicate), relative to the product of the largest components of the factors. Where a test has to be quick, the sums of components take
 //! the place of the largest ones, which are not larger: compilers make branches of maxima, and which component is the largest is anyone's guess.
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec3A};
 
 use crate::predicate::{F64_ERROR, quotient};
-use crate::simd::{Doubles, Scalar};
+use crate::simd::{Doubles, Scalar, Simd};
 use crate::{Ray, Triangle, TriangleHit};
 
 /// Weights are taken from the f64 rung if their error is below this.
@@ -106,23 +106,97 @@ pub(super) struct CertainTerms<D: Doubles> {
 /// A ray and a triangle: origin, direction and vertices.
 pub(super) type RayAndTriangle<F> = [[F; 3]; 5];
 
+/// What the terms are made of: sums over the axes.
+pub(super) struct Sums<F> {
+    determinant: F,
+    minus_of_b: F,
+    of_c: F,
+    depth: F,
+    /// Of the magnitudes of the direction's components, of the way from the origin to the first vertex, and of the edges that leave it.
+    of_d: F,
+    of_f: F,
+    of_e1: F,
+    of_e2: F,
+}
+
+impl<F: Copy> Sums<F> {
+    /// The sums of four rays and triangles, a lane for each; the bits are those [of one](Sums::of_one).
+    #[inline(always)]
+    pub(super) fn of_lanes<D: Doubles<F64s = F>>(
+        n: D,
+        [origin, d, a, b, c]: RayAndTriangle<F>,
+    ) -> Self {
+        let (f, e1, e2) = (minus(n, a, origin), minus(n, b, a), minus(n, c, a));
+        let (normal, moment) = (cross(n, e1, e2), cross(n, d, f));
+        Self {
+            determinant: dot(n, d, normal),
+            minus_of_b: dot(n, e2, moment),
+            of_c: dot(n, e1, moment),
+            depth: dot(n, f, normal),
+            of_d: length(n, d),
+            of_f: length(n, f),
+            of_e1: length(n, e1),
+            of_e2: length(n, e2),
+        }
+    }
+}
+
+impl Sums<f64> {
+    /// The sums of a ray and a triangle: a lane for each axis.
+    #[inline(always)]
+    fn of_one<S: Simd>(simd: S, ray: &Ray, [a, b, c]: &[Vec3A; 3]) -> Self {
+        let (origin, direction) = (ray.origin, ray.direction);
+        // The fourth numbers mean nothing: those of the ray follow in memory, so this is one load each.
+        let origin = simd.widen_four([origin.x, origin.y, origin.z, direction.x]);
+        let d = simd.widen_four([direction.x, direction.y, direction.z, ray.t_min]);
+        let wide = |vertex: &Vec3A| simd.widen_four(vertex.extend(0.0).to_array());
+        let a = wide(a);
+        let f = simd.sub_f64(a, origin);
+        let e1 = simd.sub_f64(wide(b), a);
+        let e2 = simd.sub_f64(wide(c), a);
+        let (normal, moment) = (cross_of_one(simd, e1, e2), cross_of_one(simd, d, f));
+        let [determinant, minus_of_b, of_c, depth] = simd.sums_of_three([
+            simd.mul_f64(d, normal),
+            simd.mul_f64(e2, moment),
+            simd.mul_f64(e1, moment),
+            simd.mul_f64(f, normal),
+        ]);
+        let [of_d, of_f, of_e1, of_e2] = simd.sums_of_three([
+            simd.abs_f64(d),
+            simd.abs_f64(f),
+            simd.abs_f64(e1),
+            simd.abs_f64(e2),
+        ]);
+        Self {
+            determinant,
+            minus_of_b,
+            of_c,
+            depth,
+            of_d,
+            of_f,
+            of_e1,
+            of_e2,
+        }
+    }
+}
+
 /// The f64 rung without its decisions, for triangles that the ray certainly hits.
 ///
 /// The bounds are those of the rung with the sums of components in place of the largest ones, of which the compiler makes branches. That the
 /// determinant is certain follows from the weights; and as the exact `t` is in the ray's interval, so is the rounded one.
 #[inline(always)]
-pub(super) fn certain_terms<D: Doubles>(
-    n: D,
-    [origin, d, a, b, c]: RayAndTriangle<D::F64s>,
-) -> CertainTerms<D> {
-    let (f, e1, e2) = (minus(n, a, origin), minus(n, b, a), minus(n, c, a));
-    let (normal, moment) = (cross(n, e1, e2), cross(n, d, f));
-    let determinant = dot(n, d, normal);
-    let (minus_of_b, of_c) = (dot(n, e2, moment), dot(n, e1, moment));
+pub(super) fn certain_terms<D: Doubles>(n: D, sums: &Sums<D::F64s>) -> CertainTerms<D> {
+    let Sums {
+        determinant,
+        minus_of_b,
+        of_c,
+        depth,
+        of_d,
+        of_f,
+        of_e1,
+        of_e2,
+    } = *sums;
     let of_b = n.mul_f64(minus_of_b, n.splat_f64(-1.0));
-    let depth = dot(n, f, normal);
-
-    let [of_d, of_f, of_e1, of_e2] = [length(n, d), length(n, f), length(n, e1), length(n, e2)];
     let certain_error = n.splat_f64(CERTAIN_ERROR);
     let area_error = n.mul_f64(n.mul_f64(certain_error, of_e1), of_e2);
     let determinant_error = n.mul_f64(area_error, of_d);
@@ -152,25 +226,26 @@ pub(super) fn certain_terms<D: Doubles>(
 
 /// The hit of a triangle that the ray certainly hits; `None` if f64 is not sure of `t` and the weights.
 #[inline(always)]
-pub(super) fn certain_hit(ray: &Ray, triangle: &Triangle) -> Option<TriangleHit> {
-    // No `map`: what is not inlined is a call, with all in memory.
-    let vectors = [
-        wide(ray.origin),
-        wide(ray.direction),
-        wide(triangle.a),
-        wide(triangle.b),
-        wide(triangle.c),
-    ];
-    let CertainTerms { ends, u, v, slack } = certain_terms(Scalar, vectors);
+pub(super) fn certain_hit<S: Simd>(
+    simd: S,
+    ray: &Ray,
+    vertices: &[Vec3A; 3],
+) -> Option<TriangleHit> {
+    let sums = Sums::of_one(simd, ray, vertices);
+    let CertainTerms { ends, u, v, slack } = certain_terms(Scalar, &sums);
     #[expect(clippy::cast_possible_truncation, reason = "rounds to the nearest f32")]
     let [low, high] = [ends[0] as f32, ends[1] as f32];
     let is_certain = (slack >= 0.0) & (low == high) & (low.abs() < f32::INFINITY);
     is_certain.then(|| TriangleHit::new(low, u, v))
 }
 
+/// The cross product, a lane for each axis.
 #[inline(always)]
-fn wide(vector: Vec3) -> [f64; 3] {
-    [vector.x.into(), vector.y.into(), vector.z.into()]
+fn cross_of_one<S: Simd>(simd: S, p: S::F64s, q: S::F64s) -> S::F64s {
+    let (next_p, next_q) = (simd.rotate_three(p), simd.rotate_three(q));
+    // Its last component comes first.
+    let rotated = simd.sub_f64(simd.mul_f64(p, next_q), simd.mul_f64(next_p, q));
+    simd.rotate_three(rotated)
 }
 
 #[inline(always)]

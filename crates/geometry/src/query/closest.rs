@@ -2,9 +2,9 @@
 
 use std::ops::ControlFlow;
 
-use glam::{Vec3, Vec3A};
+use glam::Vec3A;
 
-use super::collector::{Candidate, CertainHit, HitCollector, compare};
+use super::collector::{Candidate, CertainHit, HitCollector, KnownHit, compare};
 use super::{Hit, RaySearch, TraversalCounter, test_filtered};
 use crate::kernel::{HitLanes, VertexLanes};
 use crate::predicate::Rung;
@@ -52,8 +52,7 @@ impl ClosestHit {
     }
 
     fn triangle(&self) -> Triangle {
-        let [a, b, c] = self.vertices.map(Vec3::from);
-        Triangle::new(a, b, c)
+        Triangle::from_vertices(&self.vertices)
     }
 
     #[inline(always)]
@@ -67,9 +66,9 @@ impl ClosestHit {
     }
 
     #[inline(always)]
-    fn keep_known(&mut self, hit: &Hit) {
+    fn keep_known(&mut self, primitive: u32, hit: TriangleHit) {
         self.best = Best::Known;
-        self.primitive = hit.primitive;
+        self.primitive = primitive;
         self.t = Interval {
             start: hit.t,
             end: hit.t,
@@ -79,19 +78,15 @@ impl ClosestHit {
         self.v = hit.v;
     }
 
-    #[inline(always)]
-    fn keep_vertices(&mut self, triangle: &Triangle) {
-        self.vertices = triangle.vertices().map(Vec3A::from);
-    }
-
     /// The best hit, which is certain.
     #[inline(always)]
-    fn compute<K: TriangleKernel, C: TraversalCounter>(
+    fn compute<S: Simd, K: TriangleKernel, C: TraversalCounter>(
         &self,
-        kernel: &K,
+        simd: S,
+        ray: &Ray,
         counter: &mut C,
     ) -> Option<Hit> {
-        let hit = kernel.intersect_certain(&self.triangle(), counter);
+        let hit = K::intersect_certain(simd, ray, &self.vertices, counter);
         debug_assert!(hit.is_some(), "the triangle is certainly hit");
         hit.map(|TriangleHit { t, u, v }| Hit {
             t,
@@ -103,10 +98,12 @@ impl ClosestHit {
 
     /// Computes the best hit if that was put off.
     fn resolve<K: TriangleKernel, C: TraversalCounter>(&mut self, kernel: &K, counter: &mut C) {
-        if self.best == Best::Certain
-            && let Some(hit) = self.compute(kernel, counter)
-        {
-            self.keep_known(&hit);
+        if self.best == Best::Certain {
+            let hit = kernel.intersect_filtered(&self.triangle(), f32::INFINITY, counter);
+            debug_assert!(hit.is_some(), "the triangle is certainly hit");
+            if let Some(hit) = hit {
+                self.keep_known(self.primitive, hit);
+            }
         }
     }
 
@@ -199,8 +196,8 @@ impl HitCollector for ClosestHit {
             .is_lt(),
         };
         if is_closer {
-            self.keep_known(&candidate.hit());
-            self.keep_vertices(candidate.triangle);
+            self.keep_known(candidate.primitive, candidate.hit);
+            self.vertices = candidate.triangle.vertices().map(Vec3A::from);
         }
         ControlFlow::Continue(())
     }
@@ -239,36 +236,37 @@ impl HitCollector for ClosestHit {
     fn collect_known<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         ray: &Ray,
-        candidate: &Candidate<'_>,
+        known: &KnownHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
-        let is_ignored = self.ignored == Some(candidate.primitive);
-        if is_ignored || candidate.hit.t >= self.t.start {
+        let is_ignored = self.ignored == Some(known.primitive);
+        if is_ignored || known.hit.t >= self.t.start {
             // Copies, as of certain hits.
-            let (hit, triangle) = (candidate.hit, *candidate.triangle);
-            let copy = Candidate {
-                hit,
-                triangle: &triangle,
-                ..*candidate
+            let [a, b, c] = known.vertices;
+            let candidate = Candidate {
+                primitive: known.primitive,
+                triangle: &Triangle::from_vertices(&[a, b, c]),
+                hit: known.hit,
             };
-            return self.collect_with_kernel::<K, C>(ray, &copy, counter);
+            return self.collect_with_kernel::<K, C>(ray, &candidate, counter);
         }
         counter.decisions(Rung::F32, u64::from(self.best == Best::Certain));
-        self.keep_known(&candidate.hit());
-        self.keep_vertices(candidate.triangle);
+        self.keep_known(known.primitive, known.hit);
+        self.vertices = known.vertices;
         ControlFlow::Continue(())
     }
 
     #[inline(always)]
-    fn finish<K: TriangleKernel, C: TraversalCounter>(
+    fn finish<S: Simd, K: TriangleKernel, C: TraversalCounter>(
         &mut self,
+        simd: S,
         ray: &Ray,
         counter: &mut C,
     ) -> Option<Hit> {
         match self.best {
             Best::None => None,
             Best::Known => Some(self.known_hit()),
-            Best::Certain => self.compute(&K::new(ray), counter),
+            Best::Certain => self.compute::<S, K, C>(simd, ray, counter),
         }
     }
 
@@ -298,7 +296,7 @@ impl HitCollector for ClosestHit {
                     primitive: collector.primitive,
                 })
             } else {
-                collector.finish::<K, ()>(ray, &mut ())
+                collector.finish::<S, K, ()>(simd, ray, &mut ())
             };
             answer(lane, hit);
         }

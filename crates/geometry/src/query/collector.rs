@@ -4,7 +4,7 @@ use std::cmp::Ordering;
 use std::ops::ControlFlow;
 
 use super::{Hit, RaySearch, TraversalCounter, test_filtered};
-use glam::{Vec3, Vec3A};
+use glam::Vec3A;
 
 use crate::predicate::Rung;
 use crate::simd::{LANES, Simd, lanes_of};
@@ -49,9 +49,19 @@ impl CertainHit {
     #[inline(always)]
     #[must_use]
     pub fn triangle(&self) -> Triangle {
-        let [a, b, c] = self.vertices.map(Vec3::from);
-        Triangle::new(a, b, c)
+        Triangle::from_vertices(&self.vertices)
     }
+}
+
+/// A hit that is known, of a triangle given by its vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct KnownHit {
+    /// The triangle's index in the mesh.
+    pub primitive: u32,
+    /// The triangle's vertices, each in a register's place.
+    pub vertices: [Vec3A; 3],
+    /// Where the ray meets it.
+    pub hit: TriangleHit,
 }
 
 /// The goal of a search.
@@ -102,15 +112,21 @@ pub trait HitCollector: Sized {
     fn collect_known<K: TriangleKernel, C: TraversalCounter>(
         &mut self,
         ray: &Ray,
-        candidate: &Candidate<'_>,
+        known: &KnownHit,
         counter: &mut C,
     ) -> ControlFlow<()> {
-        self.collect(&K::new(ray), candidate, counter)
+        let candidate = Candidate {
+            primitive: known.primitive,
+            triangle: &Triangle::from_vertices(&known.vertices),
+            hit: known.hit,
+        };
+        self.collect(&K::new(ray), &candidate, counter)
     }
 
     /// What the search found, after all that was put off.
-    fn finish<K: TriangleKernel, C: TraversalCounter>(
+    fn finish<S: Simd, K: TriangleKernel, C: TraversalCounter>(
         &mut self,
+        simd: S,
         ray: &Ray,
         counter: &mut C,
     ) -> Self::Answer;
@@ -118,7 +134,7 @@ pub trait HitCollector: Sized {
     /// [`finish`](Self::finish) for the searches of some lanes, a bit for each.
     #[inline(always)]
     fn finish_lanes<S: Simd, K: TriangleKernel>(
-        _simd: S,
+        simd: S,
         _rays: &RayLanes,
         searches: &mut [RaySearch<'_, Self>; LANES],
         lanes: u32,
@@ -126,7 +142,12 @@ pub trait HitCollector: Sized {
     ) {
         for lane in lanes_of(lanes) {
             let search = &mut searches[lane];
-            answer(lane, search.collector.finish::<K, ()>(search.ray, &mut ()));
+            answer(
+                lane,
+                search
+                    .collector
+                    .finish::<S, K, ()>(simd, search.ray, &mut ()),
+            );
         }
     }
 }
@@ -220,8 +241,9 @@ impl HitCollector for AnyHit {
     }
 
     #[inline(always)]
-    fn finish<K: TriangleKernel, C: TraversalCounter>(
+    fn finish<S: Simd, K: TriangleKernel, C: TraversalCounter>(
         &mut self,
+        _simd: S,
         _ray: &Ray,
         _counter: &mut C,
     ) -> bool {
@@ -292,5 +314,11 @@ impl HitCollector for AllHits {
     }
 
     #[inline(always)]
-    fn finish<K: TriangleKernel, C: TraversalCounter>(&mut self, _ray: &Ray, _counter: &mut C) {}
+    fn finish<S: Simd, K: TriangleKernel, C: TraversalCounter>(
+        &mut self,
+        _simd: S,
+        _ray: &Ray,
+        _counter: &mut C,
+    ) {
+    }
 }

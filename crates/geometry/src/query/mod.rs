@@ -10,7 +10,7 @@ use std::ops::ControlFlow;
 use glam::Vec3;
 
 pub use closest::ClosestHit;
-pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector};
+pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector, KnownHit};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
 pub use packet::{RaySearch, RaySearches, RaysFilterOf, test_rays};
 
@@ -18,7 +18,7 @@ use crate::kernel::{
     BlockTest, BlockVerdict, Candidates, Exact, ExactCrossing, MollerTrumbore, Woop,
 };
 use crate::predicate::Rung;
-use crate::simd::{Simd, lanes_of};
+use crate::simd::{Portable, Simd, lanes_of};
 use crate::{Axis, Interval, Precision, Ray, TriangleBlock, TriangleHit, TriangleKernel};
 
 /// The hit of a ray on a primitive.
@@ -121,7 +121,7 @@ pub trait Traverse: Sync {
         counter: &mut C,
     ) -> H::Answer {
         self.traverse::<K, H, C>(ray, collector, counter);
-        collector.finish::<K, C>(ray, counter)
+        collector.finish::<_, K, C>(Portable, ray, counter)
     }
 
     /// The answers of many searches, of equally many rays; rays that are not valid hit nothing.
@@ -172,7 +172,7 @@ where
     if ray.is_valid() {
         structure.answer::<K, H, C>(ray, collector, counter)
     } else {
-        collector.finish::<K, C>(ray, counter)
+        collector.finish::<_, K, C>(Portable, ray, counter)
     }
 }
 
@@ -350,7 +350,8 @@ pub fn test_possible<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCo
 
 /// Tests the [candidates](BlockTest::candidates) of a block, of which there is at least one, and offers the hits to the collector: each is known then, and the search has less to do at its end.
 #[inline(always)]
-pub fn test_candidates<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+pub fn test_candidates<S: Simd, K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
+    simd: S,
     ray: &Ray,
     block: &TriangleBlock,
     candidates: Candidates,
@@ -358,18 +359,20 @@ pub fn test_candidates<K: TriangleKernel, H: HitCollector, C: TraversalCounter>(
     counter: &mut C,
 ) -> ControlFlow<()> {
     for lane in lanes_of(candidates.possible) {
-        let (triangle, primitive) = (block.triangle(lane), block.used_number(lane));
+        let primitive = block.used_number(lane);
         if candidates.met >> lane & 1 != 0 {
-            let hit = K::intersect_met(ray, &triangle, collector.t_max(), counter);
+            let vertices = block.vertices(lane);
+            let hit = K::intersect_met(simd, ray, &vertices, collector.t_max(), counter);
             if let Some(hit) = hit {
-                let candidate = Candidate {
+                let known = KnownHit {
                     primitive,
-                    triangle: &triangle,
+                    vertices,
                     hit,
                 };
-                collector.collect_known::<K, C>(ray, &candidate, counter)?;
+                collector.collect_known::<K, C>(ray, &known, counter)?;
             }
         } else {
+            let triangle = block.triangle(lane);
             test_filtered(&K::new(ray), &triangle, primitive, collector, counter)?;
         }
     }

@@ -154,7 +154,7 @@ impl<'a, H: HitCollector> RaySearches<'a, H> {
                 (first..self.len.min(first + LANES)).filter(|place| self.begun >> place & 1 == 0)
             {
                 let ray = self.ray(place);
-                let nothing = H::new(ray).finish::<K, ()>(ray, &mut ());
+                let nothing = H::new(ray).finish::<S, K, ()>(simd, ray, &mut ());
                 answer(usize::from(self.indices[place % MOST]), nothing);
             }
             if begun != 0

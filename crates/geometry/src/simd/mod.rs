@@ -123,6 +123,12 @@ pub trait Simd: Doubles {
     fn widen(self, a: Self::F32s) -> [Self::F64s; 2];
     /// The nearest f32.
     fn narrow(self, halves: [Self::F64s; 2]) -> Self::F32s;
+    /// Four numbers as f64.
+    fn widen_four(self, numbers: [f32; LANES / 2]) -> Self::F64s;
+    /// Lanes 1, 2 and 0 of four. The last one means nothing.
+    fn rotate_three(self, a: Self::F64s) -> Self::F64s;
+    /// For each row the sum of its first three numbers, in their order.
+    fn sums_of_three(self, rows: [Self::F64s; 4]) -> [f64; 4];
     /// The sign bits of the first four lanes and the last: bit `i` for lane `i`. Set for -0.0.
     fn sign_bits_f64(self, halves: [Self::F64s; 2]) -> u32;
 

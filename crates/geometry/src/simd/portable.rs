@@ -185,6 +185,18 @@ impl Simd for Portable {
         )
     }
     #[inline(always)]
+    fn widen_four(self, numbers: [f32; LANES / 2]) -> Self::F64s {
+        four!(lane => f64::from(numbers[lane]))
+    }
+    #[inline(always)]
+    fn rotate_three(self, [x, y, z, rest]: Self::F64s) -> Self::F64s {
+        [y, z, x, rest]
+    }
+    #[inline(always)]
+    fn sums_of_three(self, rows: [Self::F64s; 4]) -> [f64; 4] {
+        four!(row => rows[row][0] + rows[row][1] + rows[row][2])
+    }
+    #[inline(always)]
     fn sign_bits_f64(self, [low, high]: [Self::F64s; 2]) -> u32 {
         let [a, b, c, d] = four!(lane => u32::from(low[lane].is_sign_negative()));
         let [e, f, g, h] = four!(lane => u32::from(high[lane].is_sign_negative()));

@@ -211,6 +211,33 @@ macro_rules! eight_floats {
             ))
         }
         #[inline(always)]
+        fn widen_four(self, numbers: [f32; LANES / 2]) -> __m256d {
+            intrinsic!(_mm256_cvtps_pd(_mm_loadu_ps(numbers.as_ptr())))
+        }
+        #[inline(always)]
+        fn rotate_three(self, a: __m256d) -> __m256d {
+            intrinsic!(_mm256_permute4x64_pd::<0b11_00_10_01>(a))
+        }
+        #[inline(always)]
+        fn sums_of_three(self, [a, b, c, d]: [__m256d; 4]) -> [f64; 4] {
+            let sums_of_two = |a, b| {
+                intrinsic!({
+                    let (first, second) = (_mm256_unpacklo_pd(a, b), _mm256_unpackhi_pd(a, b));
+                    let sums = _mm_add_pd(
+                        _mm256_castpd256_pd128(first),
+                        _mm256_castpd256_pd128(second),
+                    );
+                    let sums = _mm_add_pd(sums, _mm256_extractf128_pd::<1>(first));
+                    [
+                        _mm_cvtsd_f64(sums),
+                        _mm_cvtsd_f64(_mm_unpackhi_pd(sums, sums)),
+                    ]
+                })
+            };
+            let ([a, b], [c, d]) = (sums_of_two(a, b), sums_of_two(c, d));
+            [a, b, c, d]
+        }
+        #[inline(always)]
         #[expect(clippy::cast_sign_loss, reason = "the lowest four bits")]
         fn sign_bits_f64(self, [first, last]: [__m256d; 2]) -> u32 {
             intrinsic!(_mm256_movemask_pd(first) | _mm256_movemask_pd(last) << 4) as u32
