@@ -229,3 +229,88 @@ pub fn test_rays<S: Simd, K: TriangleKernel, H: HitCollector>(
     }
     done
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::{AnyHit, Exact};
+
+    struct Finish<'s, 'a>(&'s mut RaySearches<'a, AnyHit>, &'s [RayLanes]);
+
+    impl crate::simd::WithSimd for Finish<'_, '_> {
+        type Output = Vec<(usize, bool)>;
+
+        #[inline(always)]
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
+            let mut answers = Vec::new();
+            let Self(searches, lanes) = self;
+            searches.finish::<S, Exact>(simd, lanes.iter(), |index, found| {
+                answers.push((index, found));
+            });
+            answers.sort_unstable();
+            answers
+        }
+    }
+
+    fn answers(searches: &mut RaySearches<'_, AnyHit>) -> Vec<(usize, bool)> {
+        let lanes = [RayLanes::splat(searches.ray(0)); MOST / LANES];
+        let used = searches.len().div_ceil(LANES);
+        crate::simd::AvailableSimd::best().dispatch(Finish(searches, &lanes[..used]))
+    }
+
+    fn find(searches: &mut RaySearches<'_, AnyHit>, place: usize) {
+        let certain = CertainHit {
+            primitive: 1,
+            vertices: [Vec3::ZERO.into(); 3],
+            t: Interval {
+                start: 1.0,
+                end: 2.0,
+            },
+        };
+        let RaySearch { ray, collector } = searches.search(place);
+        let step = collector.collect_certain::<Exact, ()>(ray, &certain, &mut ());
+        assert!(step.is_break(), "any hit will do");
+    }
+
+    #[test]
+    fn rays_that_nothing_was_offered_to_hit_nothing() {
+        let rays: Vec<Ray> = (0..MOST)
+            .map(|x| Ray::new(Vec3::new(x as f32, 0.0, 0.0), Vec3::Z))
+            .collect();
+        let mut searches = RaySearches::new();
+        for count in [1, 8, 11, MOST] {
+            searches.fill(&rays[..count]);
+            assert_eq!((searches.len(), searches.is_empty()), (count, false));
+            let hit = [0, count / 2, count - 1];
+            for place in hit {
+                assert_eq!(*searches.ray(place), rays[place]);
+                find(&mut searches, place);
+            }
+            let expected: Vec<_> = (0..count)
+                .map(|index| (index, hit.contains(&index)))
+                .collect();
+            assert_eq!(answers(&mut searches), expected);
+            // What was found is forgotten.
+            searches.fill(&rays[..count]);
+            assert!(answers(&mut searches).into_iter().all(|(_, found)| !found));
+        }
+    }
+
+    #[test]
+    fn answers_have_the_index_of_their_ray() {
+        let rays: Vec<Ray> = (0..MOST)
+            .map(|x| Ray::new(Vec3::new(x as f32, 0.0, 0.0), Vec3::Z))
+            .collect();
+        let mut searches = RaySearches::new();
+        searches.fill_with(&rays, 1 << 5 | 1 << 17 | 1 << 63);
+        assert_eq!(searches.len(), 3);
+        assert_eq!(*searches.ray(1), rays[17]);
+        find(&mut searches, 1);
+        assert_eq!(
+            answers(&mut searches),
+            [(5, false), (17, true), (63, false)]
+        );
+    }
+}

@@ -217,17 +217,6 @@ impl AvailableSimd {
         available.next_back().unwrap_or(Self(Available::Portable))
     }
 
-    /// This level, or where it is beyond `limit` the best one that is not.
-    #[must_use]
-    pub fn at_most(self, limit: SimdLevel) -> Self {
-        if self.level() <= limit {
-            return self;
-        }
-        let below = SimdLevel::ALL.into_iter().filter(|level| *level <= limit);
-        let mut available = below.filter_map(SimdLevel::available);
-        available.next_back().unwrap_or(Self(Available::Portable))
-    }
-
     /// Which level it is.
     #[must_use]
     pub const fn level(self) -> SimdLevel {

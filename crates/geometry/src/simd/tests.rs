@@ -314,19 +314,6 @@ fn the_best_level_is_the_last_one_that_is_available() {
 }
 
 #[test]
-fn a_limit_takes_the_best_level_that_is_not_beyond_it() {
-    for level in levels() {
-        for limit in SimdLevel::ALL {
-            let found = level.at_most(limit).level();
-            assert!(found <= limit, "{} beyond {}", found.name(), limit.name());
-            let is_between = |other: SimdLevel| found < other && other <= limit.min(level.level());
-            let better = levels().find(|other| is_between(other.level()));
-            assert!(better.is_none(), "{better:?} instead of {}", found.name());
-        }
-    }
-}
-
-#[test]
 fn halves_are_the_lower_and_the_upper_lanes() {
     let vector = Lanes([1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0]);
     for level in levels() {

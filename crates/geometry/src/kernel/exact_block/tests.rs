@@ -1,13 +1,13 @@
 use std::cmp::Ordering;
 use std::ops::Range;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use proptest::prelude::*;
 
 use super::*;
 use crate::kernel::{Exact, ExactCrossing, MollerTrumbore, ReachBlockFilter, Woop};
 use crate::predicate::compare_t;
-use crate::simd::{AvailableSimd, LANES, SimdLevel, WithSimd};
+use crate::simd::{AvailableSimd, LANES, Portable, SimdLevel, WithSimd};
 use crate::test_support::{grid_point, point};
 use crate::{Aabb, Triangle, TriangleKernel, size_of_bounds};
 
@@ -154,10 +154,11 @@ fn check_met(ray: &Ray, triangle: &Triangle, t_max: f32) -> Result<(), String> {
     if found != [true; 2] {
         return Err(format!("{triangle:?}: met, and no hit of the line"));
     }
+    let vertices = triangle.vertices().map(Vec3A::from);
     for t_max in [t_max, ray.t_max] {
         let found = [
-            Exact::intersect_met(ray, triangle, t_max, &mut ()),
-            ExactCrossing::intersect_met(ray, triangle, t_max, &mut ()),
+            Exact::intersect_met(Portable, ray, &vertices, t_max, &mut ()),
+            ExactCrossing::intersect_met(Portable, ray, &vertices, t_max, &mut ()),
         ];
         let expected = [
             Exact::new(ray).intersect(triangle, t_max, &mut ()),

@@ -1,6 +1,6 @@
 use std::ops::Range;
 
-use glam::Vec3;
+use glam::{Vec3, Vec3A};
 use proptest::prelude::*;
 
 use super::super::exact_block::tests::{levels, scene};
@@ -22,6 +22,19 @@ impl WithSimd for OfLanes<'_> {
     }
 }
 
+/// The rung for one of them, a lane for each axis.
+struct OfOne<'a>(&'a Ray, &'a Triangle);
+
+impl WithSimd for OfOne<'_> {
+    type Output = Option<TriangleHit>;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Option<TriangleHit> {
+        let Self(ray, triangle) = self;
+        certain_hit(simd, ray, &triangle.vertices().map(Vec3A::from))
+    }
+}
+
 /// Rays with a triangle each, in the order of lanes.
 fn scenes(sizes: Range<i32>) -> impl Strategy<Value = Vec<(Ray, Triangle)>> {
     let scene = scene(sizes).prop_filter_map("in range", |(triangles, ray)| {
@@ -32,7 +45,7 @@ fn scenes(sizes: Range<i32>) -> impl Strategy<Value = Vec<(Ray, Triangle)>> {
     prop::collection::vec(scene, LANES)
 }
 
-/// Checks that each lane has what a ray alone has, to the last bit; gives how many hits are known.
+/// Checks that each lane has what a ray alone has, to the last bit and at every level; gives how many hits are known.
 fn check(scenes: &[(Ray, Triangle)]) -> u32 {
     let mut rays = RayLanes::splat(&scenes[0].0);
     let mut vertices = [[Lanes::splat(0.0); 3]; 3];
@@ -51,12 +64,15 @@ fn check(scenes: &[(Ray, Triangle)]) -> u32 {
             let name = level.level();
             let found = (hits.known >> lane & 1 != 0).then(|| hits.hit(lane));
             let bits = |hit: TriangleHit| [hit.t, hit.u, hit.v].map(f32::to_bits);
-            let expected = certain_hit(ray, triangle);
-            assert_eq!(
-                found.map(bits),
-                expected.map(bits),
-                "{name:?}, {ray:?}, {triangle:?}"
-            );
+            for alone in levels() {
+                let expected = alone.dispatch(OfOne(ray, triangle));
+                assert_eq!(
+                    found.map(bits),
+                    expected.map(bits),
+                    "{name:?}, alone {:?}, {ray:?}, {triangle:?}",
+                    alone.level()
+                );
+            }
         }
         known = hits.known.count_ones();
     }

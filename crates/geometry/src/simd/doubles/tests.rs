@@ -105,3 +105,40 @@ proptest! {
         check_doubles(ordinary.map(Lanes));
     }
 }
+
+/// A lane for each axis: the sums of the first three numbers of each row, of the rows as they are and rotated.
+struct OfThree([[f32; 4]; 4]);
+
+impl WithSimd for OfThree {
+    type Output = [[f64; 4]; 2];
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> [[f64; 4]; 2] {
+        let third = simd.splat_f64(1.0 / 3.0);
+        // All digits of f64 are in use.
+        let rows = self.0.map(|row| simd.mul_f64(simd.widen_four(row), third));
+        [
+            simd.sums_of_three(rows),
+            simd.sums_of_three(rows.map(|row| simd.rotate_three(row))),
+        ]
+    }
+}
+
+proptest! {
+    #[test]
+    fn three_of_four_numbers_are_rotated_and_summed(
+        rows in prop::array::uniform4(prop::array::uniform4(-10.0f32..10.0)),
+    ) {
+        let sum = |a: f32, b: f32, c: f32| {
+            let [a, b, c] = [a, b, c].map(|number| f64::from(number) * (1.0 / 3.0));
+            a + b + c
+        };
+        let expected = [
+            rows.map(|[x, y, z, _]| sum(x, y, z)),
+            rows.map(|[x, y, z, _]| sum(y, z, x)),
+        ];
+        for level in levels() {
+            prop_assert_eq!(level.dispatch(OfThree(rows)), expected, "{:?}", level.level());
+        }
+    }
+}
