@@ -147,6 +147,21 @@ impl TriangleBlock {
         [vertex(a), vertex(b), vertex(c)]
     }
 
+    /// The boxes of the triangles: by axis the smallest coordinates, then the largest. Those of unused lanes mean nothing.
+    #[inline(always)]
+    pub fn bounds<S: Simd>(&self, simd: S) -> [[S::F32s; 2]; 3] {
+        let of_axis = |axis: usize| {
+            let [a, b, c] = &self.vertices;
+            let [a, b, c] = [
+                simd.load(&a[axis]),
+                simd.load(&b[axis]),
+                simd.load(&c[axis]),
+            ];
+            [simd.min(simd.min(a, b), c), simd.max(simd.max(a, b), c)]
+        };
+        [of_axis(0), of_axis(1), of_axis(2)]
+    }
+
     /// A coordinate of a lane's triangle.
     #[inline(always)]
     pub(crate) fn coordinate(&self, lane: usize, vertex: usize, axis: Axis) -> f32 {

@@ -1,7 +1,7 @@
-//! The test of a packet of rays, all at once, against the boxes of a node.
+//! The test of a packet of rays, all at once, against the boxes of a node or of triangles.
 
-use tahko_geometry::PacketBounds;
 use tahko_geometry::simd::{Lanes, Simd};
+use tahko_geometry::{PacketBounds, TriangleBlock};
 
 use super::node::Node;
 use super::plane_order::PlaneOrder;
@@ -14,6 +14,8 @@ pub(super) struct Frustum<S: Simd> {
     /// By axis, for near and far planes: the smallest and the largest reciprocal.
     reciprocals: [[[S::F32s; 2]; 2]; 3],
     order: PlaneOrder,
+    /// The octant.
+    negative: u32,
 }
 
 impl<S: Simd> Frustum<S> {
@@ -33,15 +35,38 @@ impl<S: Simd> Frustum<S> {
                 pairs(simd, bounds.reciprocals[2]),
             ],
             order: PlaneOrder::new(negative),
+            negative,
         }
     }
 
     /// Numbers that no ray enters the boxes before, and a bit for each box that one of them may meet up to `t_max`.
     #[inline(always)]
     pub(super) fn clip<N: Node>(&self, node: &N, t_max: f32) -> (Lanes, u32) {
+        let planes = |axis: usize| node.planes(self.simd, axis, &self.order);
+        let (start, hits) = self.clip_boxes([planes(0), planes(1), planes(2)], t_max);
+        (self.simd.store(start), hits)
+    }
+
+    /// A bit for each triangle of a block that one of the rays may meet up to `t_max`: those whose boxes they meet.
+    #[inline(always)]
+    pub(super) fn candidates(&self, block: &TriangleBlock, t_max: f32) -> u32 {
+        let bounds = block.bounds(self.simd);
+        let planes = |axis: usize| {
+            let [low, high] = bounds[axis];
+            if self.negative >> axis & 1 == 0 {
+                [low, high]
+            } else {
+                [high, low]
+            }
+        };
+        let (_, hits) = self.clip_boxes([planes(0), planes(1), planes(2)], t_max);
+        hits & block.used()
+    }
+
+    /// Where no ray enters boxes before, given the planes that are met first and last across each axis, and a bit for each that one of them may meet.
+    #[inline(always)]
+    fn clip_boxes(&self, [x, y, z]: [[S::F32s; 2]; 3], t_max: f32) -> (S::F32s, u32) {
         let simd = self.simd;
-        let planes = |axis: usize| node.planes(simd, axis, &self.order);
-        let [x, y, z] = [planes(0), planes(1), planes(2)];
         let near = |planes: S::F32s, axis: usize| {
             let [a, b] = self.places(planes, axis, 0);
             simd.min(a, b)
@@ -59,7 +84,7 @@ impl<S: Simd> Frustum<S> {
             simd.min(far(x[1], 0), far(y[1], 1)),
             simd.min(far(z[1], 2), simd.splat(t_max)),
         );
-        (simd.store(start), simd.bits(simd.le(start, end)))
+        (start, simd.bits(simd.le(start, end)))
     }
 
     /// Where the planes of a side are met with the smallest and with the largest reciprocal.
@@ -86,7 +111,7 @@ fn pairs<S: Simd>(simd: S, [a, b]: [[f32; 2]; 2]) -> [[S::F32s; 2]; 2] {
 mod tests {
     use tahko_geometry::glam::{Vec3, Vec3Swizzles};
     use tahko_geometry::simd::{SimdLevel, WithSimd};
-    use tahko_geometry::{Aabb, FusedPacket, GatheredBounds, Ray, RayLanes};
+    use tahko_geometry::{Aabb, FusedPacket, GatheredBounds, Ray, RayLanes, Triangle};
 
     use super::*;
     use crate::wide::{Child, WideNode};
@@ -95,37 +120,42 @@ mod tests {
         rays: &'a RayLanes,
         negative: u32,
         node: &'a WideNode,
+        block: &'a TriangleBlock,
         t_max: f32,
     }
 
     impl WithSimd for Clip<'_> {
-        type Output = (Lanes, u32);
+        type Output = (Lanes, [u32; 2]);
 
         #[inline(always)]
-        fn with_simd<S: Simd>(self, simd: S) -> (Lanes, u32) {
+        fn with_simd<S: Simd>(self, simd: S) -> Self::Output {
             let mut bounds = GatheredBounds::new(self.negative);
             let mut packet = FusedPacket::EMPTY;
             packet.prepare(simd, self.rays, self.negative, (20.0, 0.0), &mut bounds);
             let frustum = Frustum::new(simd, &bounds.all_lanes(self.negative), self.negative);
-            frustum.clip(self.node, self.t_max)
+            let (starts, hits) = frustum.clip(self.node, self.t_max);
+            (starts, [hits, frustum.candidates(self.block, self.t_max)])
         }
     }
 
-    /// A node of cubes, at -9, -6 and so on along an axis, which leaves the last lane without a child.
-    fn row_of_cubes(axis: Vec3) -> WideNode {
+    /// A node of cubes, at -9, -6 and so on along an axis, which leaves the last lane without a child; and triangles with the same boxes.
+    fn row_of_cubes(axis: Vec3) -> (WideNode, TriangleBlock) {
         let mut node = WideNode::EMPTY;
+        let mut block = TriangleBlock::EMPTY;
         for lane in 0..7u8 {
             let centre = axis * (3.0 * f32::from(lane) - 9.0);
             let cube = Aabb::new(centre - Vec3::ONE, centre + Vec3::ONE);
             node.set(usize::from(lane), &cube, Child::leaf(1));
+            let triangle = Triangle::new(cube.max, centre + Vec3::X, cube.min);
+            block.set(usize::from(lane), 0, &triangle);
         }
-        node
+        (node, block)
     }
 
     #[test]
     fn boxes_that_a_ray_of_the_packet_meets_are_left_and_others_are_not() {
         for axis in Vec3::AXES {
-            let node = row_of_cubes(axis);
+            let (node, block) = row_of_cubes(axis);
             for sign in [1.0, -1.0] {
                 // From beside the fifth cube, at 3, on to all but the first ones; those behind, and those beyond `t_max`, are culled.
                 let side = axis.yzx() * 0.1;
@@ -146,9 +176,10 @@ mod tests {
                             rays: &rays,
                             negative: direction.is_negative_bitmask(),
                             node: &node,
+                            block: &block,
                             t_max,
                         });
-                        assert_eq!(hits, expected, "{axis} {sign} {t_max}: {hits:b}");
+                        assert_eq!(hits, [expected; 2], "{axis} {sign} {t_max}: {hits:?}");
                         // The nearest cube begins half a unit ahead.
                         let nearest = if sign > 0.0 { 4 } else { 3 };
                         let start = starts.0[nearest];
@@ -162,7 +193,7 @@ mod tests {
     #[test]
     fn boxes_beside_all_rays_are_culled() {
         for axis in Vec3::AXES {
-            let node = row_of_cubes(axis);
+            let (node, block) = row_of_cubes(axis);
             let across = axis.yzx();
             let rays = RayLanes::splat(&Ray::new(-20.0 * across, across + 0.001 * axis));
             let level = SimdLevel::Portable.available().expect("on every processor");
@@ -170,9 +201,13 @@ mod tests {
                 rays: &rays,
                 negative: 0,
                 node: &node,
+                block: &block,
                 t_max: f32::INFINITY,
             });
-            assert_eq!(hits, 0b000_1000, "{axis}: the one at zero alone, {hits:b}");
+            assert_eq!(
+                hits, [0b000_1000; 2],
+                "{axis}: the one at zero alone, {hits:?}"
+            );
         }
     }
 }

@@ -277,7 +277,13 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
                         }),
                         Kind::Leaf(first_block) if packet.filters_decide => {
                             let blocks = bvh.blocks_from(first_block);
-                            simd.outline(LeafOfAll(packet, blocks, rays))
+                            simd.outline(LeafOfAll {
+                                packet,
+                                frustum: &frustum,
+                                t_max,
+                                blocks,
+                                rays,
+                            })
                         }
                         Kind::Leaf(first_block) => packet.advance(rays, |search| {
                             simd.outline(LeafOf::<K, H, N>(bvh, search, first_block, PhantomData))

@@ -12,6 +12,7 @@ use tahko_geometry::{
 
 use super::{GROUPS, Group, Packet, SIZE, groups_with, last_rays};
 use crate::wide::access::View;
+use crate::wide::frustum::Frustum;
 use crate::wide::leaf::Leaf;
 use crate::wide::node::Node;
 
@@ -19,25 +20,49 @@ use crate::wide::node::Node;
 /// better by a twentieth on scans and among hairs than 2 to 3, and slower by as much for shadow rays in a kitchen; the one before is not.
 const COST_OF_RAYS: [u32; 2] = [4, 5];
 
-/// The test of a leaf by rays whose filters decide, which tells those whose search is over.
-pub(super) struct LeafOfAll<'p, 'a, K: TriangleKernel, H>(
-    pub(super) &'p mut Packet<'a, K, H>,
-    pub(super) &'p [TriangleBlock],
-    pub(super) u64,
-);
+/// From so many rays on that look for any hit, the triangles that all of the packet miss are looked for before any is tested, for often that is all of them. Rays that look for the closest hit mostly
+/// have one of the triangles: they gain where these are tested one by one.
+const MANY: u32 = 16;
 
-impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOfAll<'_, '_, K, H> {
+/// The test of a leaf by rays whose filters decide, which tells those whose search is over.
+pub(super) struct LeafOfAll<'p, 'a, K: TriangleKernel, H, L: Simd> {
+    pub(super) packet: &'p mut Packet<'a, K, H>,
+    /// What bounds the packet.
+    pub(super) frustum: &'p Frustum<L>,
+    /// The largest `t` that still matters to any of its rays.
+    pub(super) t_max: f32,
+    /// The leaf begins here.
+    pub(super) blocks: &'p [TriangleBlock],
+    /// The rays that have entered it.
+    pub(super) rays: u64,
+}
+
+impl<K: TriangleKernel, H: HitCollector, L: Simd> WithSimd for LeafOfAll<'_, '_, K, H, L> {
     type Output = u64;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> u64 {
-        let Self(packet, blocks, rays) = self;
+        let Self {
+            packet,
+            frustum,
+            t_max,
+            blocks,
+            rays,
+        } = self;
         let mut left = rays;
         for block in blocks {
-            let tests_of_all = block.used().count_ones() * last_rays(left).count_ones();
             let [cost_of_rays, cost] = COST_OF_RAYS;
-            let done = if tests_of_all * cost_of_rays < left.count_ones() * cost {
-                packet.test_together(simd, block, left)
+            let (count, groups) = (left.count_ones(), last_rays(left).count_ones());
+            let goes_together =
+                |triangles: u32| triangles.count_ones() * groups * cost_of_rays < count * cost;
+            let mut triangles = block.used();
+            if goes_together(triangles) || !H::ORDERED && count >= MANY {
+                triangles = frustum.candidates(block, t_max);
+            }
+            let done = if triangles == 0 {
+                0
+            } else if goes_together(triangles) {
+                packet.test_together(simd, block, triangles, left)
             } else if H::ORDERED {
                 packet.test_one_by_one(simd, block, left)
             } else {
@@ -53,11 +78,17 @@ impl<K: TriangleKernel, H: HitCollector> WithSimd for LeafOfAll<'_, '_, K, H> {
 }
 
 impl<K: TriangleKernel, H: HitCollector> Packet<'_, K, H> {
-    /// Tests the triangles of a block one by one with eight rays at a time; the filters decide.
+    /// Tests some triangles of a block one by one with eight rays at a time; the filters decide.
     #[inline(always)]
-    fn test_together<S: Simd>(&mut self, simd: S, block: &TriangleBlock, rays: u64) -> u64 {
+    fn test_together<S: Simd>(
+        &mut self,
+        simd: S,
+        block: &TriangleBlock,
+        triangles: u32,
+        rays: u64,
+    ) -> u64 {
         let mut left = rays;
-        for triangle in bits_of(u64::from(block.used())) {
+        for triangle in bits_of(u64::from(triangles)) {
             for group in groups_with(left) {
                 let lanes = (left >> (LANES * group) & 0xff) as u32;
                 let searches = (&mut self.searches, LANES * group);
