@@ -150,16 +150,19 @@ impl TriangleBlock {
     /// The boxes of the triangles: by axis the smallest coordinates, then the largest. Those of unused lanes mean nothing.
     #[inline(always)]
     pub fn bounds<S: Simd>(&self, simd: S) -> [[S::F32s; 2]; 3] {
-        let of_axis = |axis: usize| {
-            let [a, b, c] = &self.vertices;
-            let [a, b, c] = [
-                simd.load(&a[axis]),
-                simd.load(&b[axis]),
-                simd.load(&c[axis]),
-            ];
-            [simd.min(simd.min(a, b), c), simd.max(simd.max(a, b), c)]
-        };
-        [of_axis(0), of_axis(1), of_axis(2)]
+        [
+            self.bounds_across(simd, Axis::X),
+            self.bounds_across(simd, Axis::Y),
+            self.bounds_across(simd, Axis::Z),
+        ]
+    }
+
+    #[inline(always)]
+    fn bounds_across<S: Simd>(&self, simd: S, axis: Axis) -> [S::F32s; 2] {
+        let a = self.load(simd, 0, axis);
+        let b = self.load(simd, 1, axis);
+        let c = self.load(simd, 2, axis);
+        [simd.min(simd.min(a, b), c), simd.max(simd.max(a, b), c)]
     }
 
     /// A coordinate of a lane's triangle.

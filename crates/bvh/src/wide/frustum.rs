@@ -50,16 +50,13 @@ impl<S: Simd> Frustum<S> {
     /// A bit for each triangle of a block that one of the rays may meet up to `t_max`: those whose boxes they meet.
     #[inline(always)]
     pub(super) fn candidates(&self, block: &TriangleBlock, t_max: f32) -> u32 {
-        let bounds = block.bounds(self.simd);
-        let planes = |axis: usize| {
-            let [low, high] = bounds[axis];
-            if self.negative >> axis & 1 == 0 {
-                [low, high]
-            } else {
-                [high, low]
+        let mut planes = block.bounds(self.simd);
+        for (axis, planes) in planes.iter_mut().enumerate() {
+            if self.negative >> axis & 1 != 0 {
+                planes.swap(0, 1);
             }
-        };
-        let (_, hits) = self.clip_boxes([planes(0), planes(1), planes(2)], t_max);
+        }
+        let (_, hits) = self.clip_boxes(planes, t_max);
         hits & block.used()
     }
 
@@ -132,7 +129,7 @@ mod tests {
             let mut bounds = GatheredBounds::new(self.negative);
             let mut packet = FusedPacket::EMPTY;
             packet.prepare(simd, self.rays, self.negative, (20.0, 0.0), &mut bounds);
-            let frustum = Frustum::new(simd, &bounds.all_lanes(self.negative), self.negative);
+            let frustum = Frustum::new(simd, &bounds.all_lanes(simd, self.negative), self.negative);
             let (starts, hits) = frustum.clip(self.node, self.t_max);
             (starts, [hits, frustum.candidates(self.block, self.t_max)])
         }

@@ -130,8 +130,14 @@ impl<'a, K: TriangleKernel, H: HitCollector> Packet<'a, K, H> {
         for rays in self.rays() {
             largest = simd.max(largest, simd.load(&rays.t_max));
         }
-        let lanes = simd.store(largest).0;
-        lanes.into_iter().fold(f32::NEG_INFINITY, f32::max)
+        // One instruction each, which `f32::max` is not: there is no NaN.
+        let larger = |a: f32, b: f32| if a > b { a } else { b };
+        let [a, b, c, d, e, f, g, h] = simd.store(largest).0;
+        let (first, last) = (
+            larger(larger(a, b), larger(c, d)),
+            larger(larger(e, f), larger(g, h)),
+        );
+        larger(first, last)
     }
 
     /// Which rays meet the box of a child.
@@ -258,7 +264,7 @@ impl<K: TriangleKernel, H: HitCollector, N: Node> WithSimd for PacketSearch<'_, 
             group.fused.prepare(simd, rays, negative, size, &mut bounds);
             packet.filters_decide &= group.filter.prepare(simd, rays, axis, bvh.size);
         }
-        let frustum = Frustum::new(simd, &bounds.all_lanes(negative), negative);
+        let frustum = Frustum::new(simd, &bounds.all_lanes(simd, negative), negative);
         let mut searching = u64::MAX >> (SIZE - packet.searches.len());
         let mut t_max = packet.t_max(simd);
         packet.waiting.clear();

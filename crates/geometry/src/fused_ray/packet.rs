@@ -6,7 +6,7 @@
 //! four. For a plane behind all of the shifted origins the product is negative, and so of no matter to rays that begin at zero or later, as all of a packet do. What underflows is
 //! covered as it is there.
 
-use crate::simd::{Lanes, Simd};
+use crate::simd::{LANES, Lanes, Simd};
 
 use super::lanes::RayLanes;
 use super::{
@@ -43,18 +43,18 @@ pub struct PacketBounds {
 
 impl GatheredBounds {
     /// Bounds of no rays, into an octant: bit `i` is set for a negative direction along axis `i`.
+    #[inline]
     #[must_use]
     pub fn new(negative: u32) -> Self {
         let (low, high) = (Lanes::splat(f32::NEG_INFINITY), Lanes::splat(f32::INFINITY));
-        let origins = |bit: u32| {
-            if negative & bit == 0 {
-                [low, high]
-            } else {
-                [high, low]
+        let mut origins = [[low, high]; 3];
+        for (axis, origins) in origins.iter_mut().enumerate() {
+            if negative >> axis & 1 != 0 {
+                origins.swap(0, 1);
             }
-        };
+        }
         Self {
-            origins: [1, 2, 4].map(origins),
+            origins,
             reciprocals: [[high, low]; 3],
         }
     }
@@ -62,27 +62,72 @@ impl GatheredBounds {
     /// The bounds of all lanes.
     #[inline(always)]
     #[must_use]
-    pub fn all_lanes(&self, negative: u32) -> PacketBounds {
-        let smallest = |lanes: &Lanes| lanes.0.into_iter().fold(f32::INFINITY, f32::min);
-        let largest = |lanes: &Lanes| lanes.0.into_iter().fold(f32::NEG_INFINITY, f32::max);
+    pub fn all_lanes<S: Simd>(&self, simd: S, negative: u32) -> PacketBounds {
+        // The smallest numbers are found, so what the largest is wanted of changes its sign.
+        let side = |axis: usize| if negative >> axis & 1 == 0 { -1.0 } else { 1.0 };
+        let sides = [side(0), side(1), side(2)];
+        let ([x, y, z], [u, v, w]) = (&self.origins, &self.reciprocals);
+        let first = smallest_of_rows(
+            simd,
+            [
+                times(simd, &x[0], sides[0]),
+                times(simd, &x[1], -sides[0]),
+                times(simd, &y[0], sides[1]),
+                times(simd, &y[1], -sides[1]),
+                times(simd, &z[0], sides[2]),
+                times(simd, &z[1], -sides[2]),
+                simd.load(&u[0]),
+                times(simd, &u[1], -1.0),
+            ],
+        );
+        let zero = simd.splat(0.0);
+        let last = smallest_of_rows(
+            simd,
+            [
+                simd.load(&v[0]),
+                times(simd, &v[1], -1.0),
+                simd.load(&w[0]),
+                times(simd, &w[1], -1.0),
+                zero,
+                zero,
+                zero,
+                zero,
+            ],
+        );
+        let [x, x2, y, y2, z, z2, u, u2] = first.0;
+        let [v, v2, w, w2, ..] = last.0;
+        let [a, b, c] = sides;
         PacketBounds {
-            origins: [0, 1, 2].map(|axis: usize| {
-                let [near, far] = &self.origins[axis];
-                if negative >> axis & 1 == 0 {
-                    [largest(near), smallest(far)]
-                } else {
-                    [smallest(near), largest(far)]
-                }
-            }),
-            reciprocals: [0, 1, 2].map(|axis: usize| {
-                let [low, high] = &self.reciprocals[axis];
-                let ends = [smallest(low), largest(high)];
-                // Rounding is monotone: these are the ends of the widened reciprocals.
-                [1.0 - RELATIVE_WIDENING, 1.0 + RELATIVE_WIDENING]
-                    .map(|factor| ends.map(|end| end * factor))
-            }),
+            origins: [[x * a, -x2 * a], [y * b, -y2 * b], [z * c, -z2 * c]],
+            reciprocals: [widened([u, -u2]), widened([v, -v2]), widened([w, -w2])],
         }
     }
+}
+
+/// Lanes times a number.
+#[inline(always)]
+fn times<S: Simd>(simd: S, lanes: &Lanes, factor: f32) -> S::F32s {
+    simd.mul(simd.load(lanes), simd.splat(factor))
+}
+
+/// The smallest number of each row.
+#[inline(always)]
+fn smallest_of_rows<S: Simd>(simd: S, rows: [S::F32s; LANES]) -> Lanes {
+    let [a, b, c, d, e, f, g, h] = simd.transpose(rows);
+    let first = simd.min(simd.min(a, b), simd.min(c, d));
+    let last = simd.min(simd.min(e, f), simd.min(g, h));
+    simd.store(simd.min(first, last))
+}
+
+/// The smallest and the largest reciprocal, widened for near planes and for far planes. Rounding is monotone: these are the ends of the widened reciprocals.
+#[inline(always)]
+const fn widened([smallest, largest]: [f32; 2]) -> [[f32; 2]; 2] {
+    const NEAR: f32 = 1.0 - RELATIVE_WIDENING;
+    const FAR: f32 = 1.0 + RELATIVE_WIDENING;
+    [
+        [smallest * NEAR, largest * NEAR],
+        [smallest * FAR, largest * FAR],
+    ]
 }
 
 impl FusedPacket {

@@ -149,11 +149,11 @@ impl Sums<f64> {
         // The fourth numbers mean nothing: those of the ray follow in memory, so this is one load each.
         let origin = simd.widen_four([origin.x, origin.y, origin.z, direction.x]);
         let d = simd.widen_four([direction.x, direction.y, direction.z, ray.t_min]);
-        let wide = |vertex: &Vec3A| simd.widen_four(vertex.extend(0.0).to_array());
-        let a = wide(a);
+        let a = simd.widen_four(a.extend(0.0).to_array());
+        let b = simd.widen_four(b.extend(0.0).to_array());
+        let c = simd.widen_four(c.extend(0.0).to_array());
         let f = simd.sub_f64(a, origin);
-        let e1 = simd.sub_f64(wide(b), a);
-        let e2 = simd.sub_f64(wide(c), a);
+        let (e1, e2) = (simd.sub_f64(b, a), simd.sub_f64(c, a));
         let (normal, moment) = (cross_of_one(simd, e1, e2), cross_of_one(simd, d, f));
         let [determinant, minus_of_b, of_c, depth] = simd.sums_of_three([
             simd.mul_f64(d, normal),

@@ -306,36 +306,45 @@ impl HitCollector for ClosestHit {
 /// The vertices of the best hits; anything, if there is none.
 #[inline(always)]
 fn vertices_of<S: Simd>(simd: S, searches: &[RaySearch<'_, ClosestHit>; LANES]) -> VertexLanes {
-    let vertex = |lane: usize, vertex: usize| {
-        searches[lane].collector.vertices[vertex]
-            .extend(0.0)
-            .to_array()
-    };
-    let two = |lane: usize| simd.halves(vertex(lane, 0), vertex(lane, 1));
-    let one = |lane: usize| simd.halves(vertex(lane, 2), [0.0; LANES / 2]);
-    let [ax, ay, az, _, bx, by, bz, _] = simd.transpose([
-        two(0),
-        two(1),
-        two(2),
-        two(3),
-        two(4),
-        two(5),
-        two(6),
-        two(7),
+    let [a, b, c, d, e, f, g, h] = searches;
+    let first_two = simd.transpose([
+        first_two_vertices(simd, a),
+        first_two_vertices(simd, b),
+        first_two_vertices(simd, c),
+        first_two_vertices(simd, d),
+        first_two_vertices(simd, e),
+        first_two_vertices(simd, f),
+        first_two_vertices(simd, g),
+        first_two_vertices(simd, h),
     ]);
-    let [cx, cy, cz, ..] = simd.transpose([
-        one(0),
-        one(1),
-        one(2),
-        one(3),
-        one(4),
-        one(5),
-        one(6),
-        one(7),
+    let third = simd.transpose([
+        third_vertex(simd, a),
+        third_vertex(simd, b),
+        third_vertex(simd, c),
+        third_vertex(simd, d),
+        third_vertex(simd, e),
+        third_vertex(simd, f),
+        third_vertex(simd, g),
+        third_vertex(simd, h),
     ]);
+    let [ax, ay, az, _, bx, by, bz, _] = first_two;
+    let [cx, cy, cz, ..] = third;
     [
         [simd.store(ax), simd.store(ay), simd.store(az)],
         [simd.store(bx), simd.store(by), simd.store(bz)],
         [simd.store(cx), simd.store(cy), simd.store(cz)],
     ]
+}
+
+// No closures: those that are called more than once are not inlined, and then compiled without the instructions of the level.
+#[inline(always)]
+fn first_two_vertices<S: Simd>(simd: S, search: &RaySearch<'_, ClosestHit>) -> S::F32s {
+    let [a, b, _] = &search.collector.vertices;
+    simd.halves(a.extend(0.0).to_array(), b.extend(0.0).to_array())
+}
+
+#[inline(always)]
+fn third_vertex<S: Simd>(simd: S, search: &RaySearch<'_, ClosestHit>) -> S::F32s {
+    let [.., c] = &search.collector.vertices;
+    simd.halves(c.extend(0.0).to_array(), [0.0; LANES / 2])
 }

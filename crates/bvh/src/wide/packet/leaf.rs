@@ -20,8 +20,8 @@ use crate::wide::node::Node;
 /// better by a twentieth on scans and among hairs than 2 to 3, and slower by as much for shadow rays in a kitchen; the one before is not.
 const COST_OF_RAYS: [u32; 2] = [4, 5];
 
-/// From so many rays on that look for any hit, the triangles that all of the packet miss are looked for before any is tested, for often that is all of them. Rays that look for the closest hit mostly
-/// have one of the triangles: they gain where these are tested one by one.
+/// From so many rays on that look for any hit, the triangles that all of the packet miss are looked for before any is tested, for often that is all of them. With rays that look for the closest hit
+/// it seldom is, and the look pays only before tests of eight rays.
 const MANY: u32 = 16;
 
 /// The test of a leaf by rays whose filters decide, which tells those whose search is over.

@@ -27,7 +27,7 @@ impl WithSimd for Prepare<'_> {
             self.size_and_reach,
             &mut bounds,
         );
-        (packet, bounds.all_lanes(self.negative))
+        (packet, bounds.all_lanes(simd, self.negative))
     }
 }
 
