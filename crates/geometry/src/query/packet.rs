@@ -59,6 +59,7 @@ pub struct RaySearches<'a, H> {
 const MOST: usize = u64::BITS as usize;
 
 /// Each in its own place.
+#[expect(clippy::cast_possible_truncation, reason = "all are below 64")]
 const ALL_INDICES: [u8; MOST] = {
     let mut indices = [0; MOST];
     let mut place = 0;
@@ -97,6 +98,7 @@ impl<'a, H: HitCollector> RaySearches<'a, H> {
 
     /// Makes them those of some of the first rays of a list: a bit for each.
     #[inline(always)]
+    #[expect(clippy::cast_possible_truncation, reason = "all are below 64")]
     pub fn fill_with(&mut self, rays: &'a [Ray], members: u64) {
         self.rays = rays;
         self.len = 0;
