@@ -23,7 +23,7 @@ pub(crate) struct Effort {
     pub(crate) timing: timing::Effort,
     /// Rays of each class whose errors are counted.
     pub(crate) audited: usize,
-    /// Builds are repeated until they took as many seconds, after one that does not count, or there are [`MAX_BUILDS`].
+    /// Builds are repeated until they took as many seconds or there are [`MAX_BUILDS`], after one that does not count. With 0 there is one alone.
     pub(crate) build_seconds: f64,
 }
 

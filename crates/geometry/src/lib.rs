@@ -68,7 +68,8 @@
 //!   [`test_block`].
 //! - [`ConservativeRay`] tests one box or plane at a time, [`FusedRay`] is for the boxes of nodes whose planes come in vectors.
 //! - [`TriangleBlock`] has up to eight triangles as vectors want them, of which a [`BlockFilter`] throws out those that are certainly not hit, and
-//!   names those that certainly are. [`RayLanes`] has eight rays, which a [`RaysFilter`] tests with one triangle; [`test_rays`] is the step.
+//!   names those that certainly are. [`RayLanes`] has eight rays, which a [`RaysFilter`] tests with one triangle; [`test_rays`] is the step, and [`RaySearches`] has what
+//!   the rays of a packet have found.
 //! - [`simd`] has vectors of eight numbers. An algorithm is written once and compiled for every level of instructions; the level is chosen
 //!   when the program runs.
 //!

@@ -108,15 +108,10 @@ pub(super) type RayAndTriangle<F> = [[F; 3]; 5];
 
 /// What the terms are made of: sums over the axes.
 pub(super) struct Sums<F> {
-    determinant: F,
-    minus_of_b: F,
-    of_c: F,
-    depth: F,
-    /// Of the magnitudes of the direction's components, of the way from the origin to the first vertex, and of the edges that leave it.
-    of_d: F,
-    of_f: F,
-    of_e1: F,
-    of_e2: F,
+    /// The determinant, minus the weight of the second vertex, the weight of the third one, and the depth.
+    products: [F; 4],
+    /// Of the magnitudes of components: of the direction, of the way from the origin to the first vertex, and of the edges that leave it.
+    magnitudes: [F; 4],
 }
 
 impl<F: Copy> Sums<F> {
@@ -129,14 +124,13 @@ impl<F: Copy> Sums<F> {
         let (f, e1, e2) = (minus(n, a, origin), minus(n, b, a), minus(n, c, a));
         let (normal, moment) = (cross(n, e1, e2), cross(n, d, f));
         Self {
-            determinant: dot(n, d, normal),
-            minus_of_b: dot(n, e2, moment),
-            of_c: dot(n, e1, moment),
-            depth: dot(n, f, normal),
-            of_d: length(n, d),
-            of_f: length(n, f),
-            of_e1: length(n, e1),
-            of_e2: length(n, e2),
+            products: [
+                dot(n, d, normal),
+                dot(n, e2, moment),
+                dot(n, e1, moment),
+                dot(n, f, normal),
+            ],
+            magnitudes: [length(n, d), length(n, f), length(n, e1), length(n, e2)],
         }
     }
 }
@@ -155,27 +149,19 @@ impl Sums<f64> {
         let f = simd.sub_f64(a, origin);
         let (e1, e2) = (simd.sub_f64(b, a), simd.sub_f64(c, a));
         let (normal, moment) = (cross_of_one(simd, e1, e2), cross_of_one(simd, d, f));
-        let [determinant, minus_of_b, of_c, depth] = simd.sums_of_three([
-            simd.mul_f64(d, normal),
-            simd.mul_f64(e2, moment),
-            simd.mul_f64(e1, moment),
-            simd.mul_f64(f, normal),
-        ]);
-        let [of_d, of_f, of_e1, of_e2] = simd.sums_of_three([
-            simd.abs_f64(d),
-            simd.abs_f64(f),
-            simd.abs_f64(e1),
-            simd.abs_f64(e2),
-        ]);
         Self {
-            determinant,
-            minus_of_b,
-            of_c,
-            depth,
-            of_d,
-            of_f,
-            of_e1,
-            of_e2,
+            products: simd.sums_of_three([
+                simd.mul_f64(d, normal),
+                simd.mul_f64(e2, moment),
+                simd.mul_f64(e1, moment),
+                simd.mul_f64(f, normal),
+            ]),
+            magnitudes: simd.sums_of_three([
+                simd.abs_f64(d),
+                simd.abs_f64(f),
+                simd.abs_f64(e1),
+                simd.abs_f64(e2),
+            ]),
         }
     }
 }
@@ -186,16 +172,8 @@ impl Sums<f64> {
 /// determinant is certain follows from the weights; and as the exact `t` is in the ray's interval, so is the rounded one.
 #[inline(always)]
 pub(super) fn certain_terms<D: Doubles>(n: D, sums: &Sums<D::F64s>) -> CertainTerms<D> {
-    let Sums {
-        determinant,
-        minus_of_b,
-        of_c,
-        depth,
-        of_d,
-        of_f,
-        of_e1,
-        of_e2,
-    } = *sums;
+    let [determinant, minus_of_b, of_c, depth] = sums.products;
+    let [of_d, of_f, of_e1, of_e2] = sums.magnitudes;
     let of_b = n.mul_f64(minus_of_b, n.splat_f64(-1.0));
     let certain_error = n.splat_f64(CERTAIN_ERROR);
     let area_error = n.mul_f64(n.mul_f64(certain_error, of_e1), of_e2);

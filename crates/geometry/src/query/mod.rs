@@ -4,6 +4,7 @@ mod closest;
 mod collector;
 mod counts;
 mod packet;
+mod searches;
 
 use std::ops::ControlFlow;
 
@@ -12,7 +13,8 @@ use glam::Vec3;
 pub use closest::ClosestHit;
 pub use collector::{AllHits, AnyHit, Candidate, CertainHit, HitCollector, KnownHit};
 pub use counts::{QueryCounts, RungCounts, TraversalCounter};
-pub use packet::{RaySearch, RaySearches, RaysFilterOf, test_rays};
+pub use packet::{RaysFilterOf, test_rays};
+pub use searches::{RaySearch, RaySearches};
 
 use crate::kernel::{
     BlockTest, BlockVerdict, Candidates, Exact, ExactCrossing, MollerTrumbore, Woop,
